@@ -9,19 +9,29 @@ const dracoAsModule: Plugin = {
     if (!id.split('?')[0]!.endsWith('/draco_wasm_wrapper.js')) return null;
     const oldExports = code.lastIndexOf('"object"===typeof exports&&"object"===typeof module');
     if (oldExports < 0) throw new Error('draco_wasm_wrapper.js no longer ends as expected');
-    return { code: `${code.slice(0, oldExports)}\nexport default DracoDecoderModule;\n`, map: null };
+    return {
+      code: `${code.slice(0, oldExports)}\nexport default DracoDecoderModule;\n`,
+      map: null,
+    };
   },
 };
 
-// The page lives under a strict Content-Security-Policy: no inline script or style, no data: or blob: code. Hence files for everything.
+// The page lives under a strict Content-Security-Policy: no inline script or style, no data: or
+// blob: code. Hence files for everything.
 export default defineConfig({
   base: './',
   plugins: [dracoAsModule],
   worker: { format: 'es', plugins: () => [dracoAsModule] },
-  build: { target: 'es2022', assetsInlineLimit: 0, modulePreload: { polyfill: false }, chunkSizeWarningLimit: 1000 },
+  build: {
+    target: 'es2022',
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    chunkSizeWarningLimit: 1000,
+  },
   test: {
     include: ['src/**/*.test.ts'],
     server: { deps: { inline: [/draco/, /tus-js-client/] } },
-    alias: { 'tus-js-client': 'tus-js-client/lib.esm/browser/index.js' }, // Node would get another half, which cannot read a File
+    // Node would get another half, which cannot read a File.
+    alias: { 'tus-js-client': 'tus-js-client/lib.esm/browser/index.js' },
   },
 });

@@ -1,4 +1,5 @@
-// Odd and abusive WebSocket frames by npm's ws, which shares no code with ours: odd_frames.mjs PORT TOKEN
+// Odd and abusive WebSocket frames by npm's ws, which shares no code with ours:
+// odd_frames.mjs PORT TOKEN
 // Prints a JSON object: what was sent, and the close code and the last text that it got.
 import path from 'node:path';
 import { createRequire } from 'node:module';
@@ -13,18 +14,37 @@ function varint(value) {
   for (; value > 0x7f; value >>>= 7) bytes.push((value & 0x7f) | 0x80);
   return Buffer.from([...bytes, value]);
 }
-const bytesField = (number, data) => Buffer.concat([varint((number << 3) | 2), varint(data.length), data]);
+const bytesField = (number, data) =>
+  Buffer.concat([varint((number << 3) | 2), varint(data.length), data]);
 // A viewer of a scan that is not there: who is understood is told so (proto/README.md).
-const hello = bytesField(1, Buffer.concat([bytesField(3, Buffer.from(token)), bytesField(5, bytesField(1, Buffer.from('a'.repeat(26))))]));
+const hello = bytesField(
+  1,
+  Buffer.concat([
+    bytesField(3, Buffer.from(token)),
+    bytesField(5, bytesField(1, Buffer.from('a'.repeat(26)))),
+  ]),
+);
 
 // A frame by hand, masked with zeros.
 function frame(first, payload, masked = true) {
-  const size = payload.length < 126 ? [payload.length] : [126, payload.length >> 8, payload.length & 255];
-  return Buffer.concat([Buffer.from([first, size[0] | (masked ? 128 : 0), ...size.slice(1), ...(masked ? [0, 0, 0, 0] : [])]), payload]);
+  const size =
+    payload.length < 126 ? [payload.length] : [126, payload.length >> 8, payload.length & 255];
+  return Buffer.concat([
+    Buffer.from([
+      first,
+      size[0] | (masked ? 128 : 0),
+      ...size.slice(1),
+      ...(masked ? [0, 0, 0, 0] : []),
+    ]),
+    payload,
+  ]);
 }
 
 const none = Buffer.alloc(0);
-const raw = (...frames) => (socket) => frames.forEach((one) => socket._socket.write(one));
+const raw =
+  (...frames) =>
+  (socket) =>
+    frames.forEach((one) => socket._socket.write(one));
 const cases = {
   'a hello': (socket) => socket.send(hello),
   'a hello in frames of a byte, with pings between them': (socket) => {
@@ -38,7 +58,7 @@ const cases = {
     for (let i = 0; i < 20000; i++) socket.send(none, { fin: false });
     socket.send(hello.subarray(5), { fin: true });
   },
-  'text': (socket) => socket.send('hello'),
+  text: (socket) => socket.send('hello'),
   'compressed, which was not agreed on': raw(frame(0xc2, hello)),
   'the other reserved bits': raw(frame(0xb2, hello)),
   'a kind that there is not': raw(frame(0x83, hello)),

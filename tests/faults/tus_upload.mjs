@@ -1,4 +1,5 @@
-// Uploads a file with tus-js-client, as the viewer does but with none of its hooks: tus_upload.mjs FILE ADDRESS TOKEN
+// Uploads a file with tus-js-client, as the viewer does but with none of its hooks:
+// tus_upload.mjs FILE ADDRESS TOKEN
 import fs from 'node:fs';
 import path from 'node:path';
 import { createRequire } from 'node:module';

@@ -1,10 +1,21 @@
-// Notes in the real server and a real browser: two people write and change them at once, a link shows one, a guest only reads.
+// Notes in the real server and a real browser: two people write and change them at once, a link
+// shows one, a guest only reads.
 //
-//   node --test tests/web/notes_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where images go
+//   node --test tests/web/notes_test.mjs
+//
+// HERMITE_BUILD: where the programs are (build/release). HERMITE_ARTIFACTS: where images go.
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { barriers, brightnessOf, openServerAndBrowser, openPage, tooSmall, untilResting, untilScan } from './browser.mjs';
+import {
+  barriers,
+  brightnessOf,
+  openServerAndBrowser,
+  openPage,
+  tooSmall,
+  untilResting,
+  untilScan,
+} from './browser.mjs';
 
 const limit_ms = 60_000;
 const script = 'A crack <img src=x onerror="document.title=1">\nin the wall';
@@ -22,7 +33,11 @@ after(() => setup?.close());
 const screenshot = (page, name) => page.screenshot({ path: path.join(artifacts, `${name}.png`) });
 
 async function ask(method, route, body, token = server.token) {
-  const response = await fetch(`${server.origin}/api/v1/${route}`, { method, body, headers: { Authorization: `Bearer ${token}` } });
+  const response = await fetch(`${server.origin}/api/v1/${route}`, {
+    method,
+    body,
+    headers: { Authorization: `Bearer ${token}` },
+  });
   return { status: response.status, json: await response.json() };
 }
 
@@ -31,10 +46,16 @@ async function importedCorner() {
   const floor = ['0 0 0 120 110 100', '3 0 0 150 110 90', '3 3 0 120 130 100', '0 3 0 90 110 140'];
   const above = ['0 0 3 200 190 170', '3 0 3 170 190 200', '0 3 3 190 170 160'];
   const faces = ['4 0 1 2 3', '4 0 4 5 1', '4 0 3 6 4'];
-  const columns = ['float x', 'float y', 'float z', 'uchar red', 'uchar green', 'uchar blue'].map((one) => `property ${one}`);
+  const columns = ['float x', 'float y', 'float z', 'uchar red', 'uchar green', 'uchar blue'].map(
+    (one) => `property ${one}`,
+  );
   const lists = ['element face 3', 'property list uchar int vertex_indices', 'end_header'];
   const header = ['ply', 'format ascii 1.0', 'element vertex 7', ...columns, ...lists];
-  const { json } = await ask('PUT', 'uploads/Corner.ply', [...header, ...floor, ...above, ...faces, ''].join('\n'));
+  const { json } = await ask(
+    'PUT',
+    'uploads/Corner.ply',
+    [...header, ...floor, ...above, ...faces, ''].join('\n'),
+  );
   for (let i = 0; i < 300; ++i) {
     const { state, scan, words } = (await ask('GET', `jobs/${json.job}`)).json;
     if (state === 'finished') return scan;
@@ -57,7 +78,15 @@ const text = (page) => panel(page).locator('textarea');
 
 // Ctrl and Enter twice, faster than any answer.
 function saveTwice(node) {
-  for (let i = 0; i < 2; ++i) node.dispatchEvent(new KeyboardEvent('keydown', { key: 'Enter', ctrlKey: true, bubbles: true, cancelable: true }));
+  for (let i = 0; i < 2; ++i)
+    node.dispatchEvent(
+      new KeyboardEvent('keydown', {
+        key: 'Enter',
+        ctrlKey: true,
+        bubbles: true,
+        cancelable: true,
+      }),
+    );
 }
 
 // Writes at this point of the page; returns the id of the note.
@@ -67,27 +96,46 @@ async function write(page, [x, y], content) {
   await text(page).fill(content);
   await text(page).evaluate(saveTwice);
   await panel(page).locator('.note-whole').getByText(content).waitFor();
-  assert.equal(await page.evaluate(() => document.activeElement.ariaCurrent), 'true', 'the focus is on the note');
-  await page.waitForFunction((old) => location.href !== old && /note=[a-z0-9]{26}/.test(location.hash), before);
+  assert.equal(
+    await page.evaluate(() => document.activeElement.ariaCurrent),
+    'true',
+    'the focus is on the note',
+  );
+  await page.waitForFunction(
+    (old) => location.href !== old && /note=[a-z0-9]{26}/.test(location.hash),
+    before,
+  );
   return /note=([a-z0-9]{26})/.exec(page.url())[1];
 }
 
-test('a click puts a pin with a text, which a link shows to others as it was seen', { timeout: 2 * limit_ms }, async () => {
+test('a click puts a pin with a text, which a link shows to others as it was seen', {
+  timeout: 2 * limit_ms,
+}, async () => {
   const { page } = ada;
   await page.locator('.picture').press('n');
   await panel(page).getByText('Click on the model to write a note there.').waitFor();
   await page.mouse.click(60, 560);
   await panel(page).getByText('There is nothing').waitFor();
-  await write(page, [440, 430], 'The floor is wet: xmtfsc?'); // no letter of it is a key of the page
-  for (let i = 0; i < 2; ++i) await page.locator('.picture').press('+'); // another view, which nothing glides to
+  // No letter of it is a key of the page.
+  await write(page, [440, 430], 'The floor is wet: xmtfsc?');
+  // To another view, which nothing glides to.
+  for (let i = 0; i < 2; ++i) await page.locator('.picture').press('+');
   const id = await write(page, [520, 520], script);
-  assert.equal((await ask('GET', `scans/${scanId}/notes`)).json.notes.length, 2, 'each is written once');
+  assert.equal(
+    (await ask('GET', `scans/${scanId}/notes`)).json.notes.length,
+    2,
+    'each is written once',
+  );
   await page.getByRole('button', { name: 'Show all' }).click();
   await panel(page).getByRole('button', { name: 'Note 2' }).click();
   const seen = await brightnessOf(browser.context, page);
   assert.deepEqual(await barriers(page), []);
   await screenshot(page, 'notes');
-  const bens = await browser.browser.newContext({ viewport: { width: 1024, height: 640 }, colorScheme: 'dark', reducedMotion: 'reduce' });
+  const bens = await browser.browser.newContext({
+    viewport: { width: 1024, height: 640 },
+    colorScheme: 'dark',
+    reducedMotion: 'reduce',
+  });
   const ben = await opened(bens, `#token=${server.token}&scan=${scanId}&note=${id}`);
   await panel(ben.page).locator('.note-whole').getByText('A crack <img').waitFor();
   const linked = await brightnessOf(browser.context, ben.page);
@@ -112,7 +160,8 @@ test('a click puts a pin with a text, which a link shows to others as it was see
   await panel(page).locator('.note-whole').getByText('of Ada').waitFor();
   assert.equal((await ask('GET', `scans/${scanId}/notes`)).json.notes[1].text, 'of Ben\n\nof Ada');
 
-  // What was removed comes back, what was changed meanwhile is not removed, and what somebody has removed is written again.
+  // What was removed comes back, what was changed meanwhile is not removed, and what somebody has
+  // removed is written again.
   await act(page, 'Remove');
   await act(page, 'Undo');
   await panel(page).getByRole('button', { name: 'Note 2' }).click();
@@ -129,15 +178,25 @@ test('a click puts a pin with a text, which a link shows to others as it was see
   await act(page, 'Edit');
   assert.deepEqual(await tooSmall(page), []);
   await screenshot(page, 'notes-phone');
-  for (let i = 0; i < 3; ++i) await page.keyboard.press('Escape'); // what is written, the choice, the panel
+  // Out of what is written, of the choice and of the panel.
+  for (let i = 0; i < 3; ++i) await page.keyboard.press('Escape');
   assert.equal(await panel(page).isVisible(), false);
   await page.waitForFunction(() => !location.hash.includes('note='));
-  for (const one of [ada, ben]) assert.deepEqual(one.complaints.filter((message) => !/status of (404|409)/.test(message)), []);
+  for (const one of [ada, ben])
+    assert.deepEqual(
+      one.complaints.filter((message) => !/status of (404|409)/.test(message)),
+      [],
+    );
   await bens.close();
 });
 
-test('text that was not saved is there again after a reload and on coming back, until it is cancelled', { timeout: 2 * limit_ms }, async () => {
-  const context = await browser.browser.newContext({ viewport: { width: 1024, height: 640 }, reducedMotion: 'reduce' });
+test('text that was not saved is there again after a reload, until it is cancelled', {
+  timeout: 2 * limit_ms,
+}, async () => {
+  const context = await browser.browser.newContext({
+    viewport: { width: 1024, height: 640 },
+    reducedMotion: 'reduce',
+  });
   const { page, complaints } = await opened(context, `#token=${server.token}&scan=${scanId}`);
   const asked = [];
   page.on('dialog', (dialog) => {
@@ -168,8 +227,17 @@ test('text that was not saved is there again after a reload and on coming back, 
 
 test('a guest on a phone reads the notes and changes none', { timeout: 2 * limit_ms }, async () => {
   const link = (await ask('POST', `scans/${scanId}/shares`)).json.path.slice(1);
-  const phone = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true };
-  const context = await browser.browser.newContext({ ...phone, reducedMotion: 'reduce', colorScheme: 'light' });
+  const phone = {
+    viewport: { width: 390, height: 844 },
+    deviceScaleFactor: 2,
+    hasTouch: true,
+    isMobile: true,
+  };
+  const context = await browser.browser.newContext({
+    ...phone,
+    reducedMotion: 'reduce',
+    colorScheme: 'light',
+  });
   const { page, complaints } = await opened(context, link);
   await page.getByRole('button', { name: 'More' }).tap();
   await page.getByRole('button', { name: 'Notes', exact: true }).tap();
@@ -178,7 +246,11 @@ test('a guest on a phone reads the notes and changes none', { timeout: 2 * limit
   assert.equal(await text(page).isVisible(), false);
   await panel(page).getByRole('button', { name: 'Note 1' }).tap();
   await panel(page).locator('.note-whole').getByText('The floor is wet').waitFor();
-  assert.equal(await panel(page).getByRole('button', { name: 'Edit' }).count(), 0, 'what would be refused is not offered');
+  assert.equal(
+    await panel(page).getByRole('button', { name: 'Edit' }).count(),
+    0,
+    'what would be refused is not offered',
+  );
   assert.deepEqual(await tooSmall(page), []);
   assert.deepEqual(await barriers(page), []);
   await untilResting(page);

@@ -1,6 +1,9 @@
-// A recording on its way from a real browser to the real server: through a server that is killed and a page that is loaded again.
+// A recording on its way from a real browser to the real server: through a server that is killed
+// and a page that is loaded again.
 //
-//   node --test tests/web/upload_test.mjs      HERMITE_BUILD: where the programs are (build/release)
+//   node --test tests/web/upload_test.mjs
+//
+// HERMITE_BUILD: where the programs are (build/release).
 import assert from 'node:assert/strict';
 import { randomBytes } from 'node:crypto';
 import { mkdtemp, readFile, readdir, rm, writeFile } from 'node:fs/promises';
@@ -24,10 +27,18 @@ before(async () => {
   server = await startServer(path.join(folder, 'data'));
   browser = await openBrowser();
   viewer = await openPage(browser.context, `${server.origin}/#token=${server.token}`);
-  viewer.page.on('request', (request) => request.url().includes('/api/v1/uploads') && asked.push(request.method()));
+  viewer.page.on(
+    'request',
+    (request) => request.url().includes('/api/v1/uploads') && asked.push(request.method()),
+  );
   const tools = await browser.context.newCDPSession(viewer.page);
   await tools.send('Network.enable');
-  await tools.send('Network.emulateNetworkConditions', { offline: false, latency: 0, downloadThroughput: -1, uploadThroughput: link_bytes_per_s });
+  await tools.send('Network.emulateNetworkConditions', {
+    offline: false,
+    latency: 0,
+    downloadThroughput: -1,
+    uploadThroughput: link_bytes_per_s,
+  });
 });
 
 after(async () => {
@@ -48,9 +59,12 @@ async function sentBeyond(least) {
   }
 }
 
-const addFile = () => viewer.page.locator('#recordings').setInputFiles(path.join(folder, 'noise.tar'));
+const addFile = () =>
+  viewer.page.locator('#recordings').setInputFiles(path.join(folder, 'noise.tar'));
 
-test('an upload survives a killed server and a reload, and every byte arrives once', { timeout: 2 * sent_ms }, async () => {
+test('an upload survives a killed server and a reload, and every byte arrives once', {
+  timeout: 2 * sent_ms,
+}, async () => {
   const { page, outage } = viewer;
   await page.getByText('No scans yet.').waitFor();
   await addFile();
@@ -70,16 +84,27 @@ test('an upload survives a killed server and a reload, and every byte arrives on
   outage.on = false;
 
   await page.reload();
-  await page.getByText('noise.tar was not sent to the end. Add it again and it goes on from there.').waitFor();
+  await page
+    .getByText('noise.tar was not sent to the end. Add it again and it goes on from there.')
+    .waitFor();
   await addFile();
   const first = await sentBeyond(0);
   assert.ok(first >= 40, `goes on at ${first} %: a whole piece had arrived before the reload`);
 
   await page.getByText(/noise is no recording we know/).waitFor({ timeout: sent_ms });
-  assert.equal(asked.filter((method) => method === 'POST').length, 1, `one upload all the time: ${asked.join(' ')}`);
-  assert.ok(asked.filter((method) => method === 'HEAD').length >= 2, `the server was asked what had arrived: ${asked.join(' ')}`);
+  assert.equal(
+    asked.filter((method) => method === 'POST').length,
+    1,
+    `one upload all the time: ${asked.join(' ')}`,
+  );
+  assert.ok(
+    asked.filter((method) => method === 'HEAD').length >= 2,
+    `the server was asked what had arrived: ${asked.join(' ')}`,
+  );
   const uploads = path.join(folder, 'data', 'uploads');
-  const kept = await Promise.all((await readdir(uploads)).map((name) => readFile(path.join(uploads, name))));
+  const kept = await Promise.all(
+    (await readdir(uploads)).map((name) => readFile(path.join(uploads, name))),
+  );
   assert.equal(kept.length, 1);
   assert.ok(kept[0].equals(bytes), 'byte for byte what was sent');
   assert.equal(await page.getByText('was not sent to the end').count(), 0);

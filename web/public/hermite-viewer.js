@@ -1,6 +1,8 @@
-// <hermite-viewer src="LINK" title="TEXT">: a scan in a page of another site, for which the server of the scan must allow that site
-// (setting embed-in). LINK is a share link. The element is a block of 16:10; CSS may give it any other size.
-// For a page like any other: a classic script without dependencies, which may be copied to other servers.
+// <hermite-viewer src="LINK" title="TEXT">: a scan in a page of another site, for which the server
+// of the scan must allow that site (setting embed-in). LINK is a share link. The element is a block
+// of 16:10; CSS may give it any other size.
+// For a page like any other: a classic script without dependencies, which may be
+// copied to other servers.
 (() => {
   if (customElements.get('hermite-viewer')) return;
 
@@ -11,10 +13,13 @@
 
     constructor() {
       super();
-      const style = new CSSStyleSheet(); // which a page's own policy does not forbid, as it may a style element
-      style.replaceSync(
-        ':host { display: block; aspect-ratio: 16 / 10; } :host([hidden]) { display: none; } iframe { width: 100%; height: 100%; border: 0; }',
-      );
+      // A page's own policy does not forbid this, as it may forbid a style element.
+      const style = new CSSStyleSheet();
+      style.replaceSync(`
+        :host { display: block; aspect-ratio: 16 / 10; }
+        :host([hidden]) { display: none; }
+        iframe { width: 100%; height: 100%; border: 0; }
+      `);
       this.#frame.allow = 'fullscreen';
       this.#frame.loading = 'lazy';
       const root = this.attachShadow({ mode: 'open' });
@@ -27,7 +32,8 @@
       else this.#show(value ?? '');
     }
 
-    // What is no link of a scan is not shown: a page must not be able to make this element run code.
+    // What is no link of a scan is not shown: a page must not be able to
+    // make this element run code.
     #show(link) {
       let url;
       try {
@@ -35,7 +41,8 @@
       } catch {
         url = null;
       }
-      const isLink = url !== null && (url.protocol === 'https:' || url.protocol === 'http:') && url.hash.length > 1;
+      const isWeb = url?.protocol === 'https:' || url?.protocol === 'http:';
+      const isLink = isWeb && url.hash.length > 1;
       if (!isLink) {
         this.#frame.removeAttribute('src');
         if (link) console.error(`hermite-viewer: "${link}" is no link to a scan`);

@@ -1,4 +1,5 @@
-// Starts the viewer: takes the token out of the address bar, then shows the page that the fragment names.
+// Starts the viewer: takes the token out of the address bar, then shows the page
+// that the fragment names.
 import { readFragment, storedToken, storeToken } from './connection/token';
 import { comparePage, type ComparePage } from './panels/compare_page';
 import type { Panel } from './panels/dom';
@@ -33,13 +34,17 @@ function show(): void {
   } else if (route.page === 'compare') {
     page = compared = comparePage(route.scanId, route.other, storedToken(ofThisTab));
   } else {
-    page = listPage({ token: () => storedToken(ofThisTab), setToken: (token) => storeToken(ofThisTab, token) });
+    page = listPage({
+      token: () => storedToken(ofThisTab),
+      setToken: (token) => storeToken(ofThisTab, token),
+    });
   }
   app.replaceChildren(page.element);
 }
 
 // For tests and the curious: what the page shows, to read only.
-const seen = (): ScanPage | ComparePage | null => compared ?? (opened && 'drawCalls' in opened ? opened : null);
+const seen = (): ScanPage | ComparePage | null =>
+  compared ?? (opened && 'drawCalls' in opened ? opened : null);
 const shown = {
   scan: () => opened?.scan.get() ?? null,
   drawCalls: () => seen()?.drawCalls() ?? 0,

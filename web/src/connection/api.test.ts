@@ -1,13 +1,33 @@
 import { describe, expect, it } from 'vitest';
-import { ApiError, fileNameOf, parseScans, refusalOf, shareLinkOf, withOlder, type ScanSummary } from './api';
+import {
+  ApiError,
+  fileNameOf,
+  parseScans,
+  refusalOf,
+  shareLinkOf,
+  withOlder,
+  type ScanSummary,
+} from './api';
 import { listedScan } from './listed_scan';
 
 describe('parseScans', () => {
   it('lists the newest scan first', () => {
     const { scans, more } = parseScans({
       scans: [
-        { id: 'old', title: 'Hall', state: 'finished', frames_processed: 10, created_at: '2026-05-01T12:00:00.000Z' },
-        { id: 'new', title: '', state: 'running', frames_processed: 3, created_at: '2026-05-01T12:00:00.001Z' },
+        {
+          id: 'old',
+          title: 'Hall',
+          state: 'finished',
+          frames_processed: 10,
+          created_at: '2026-05-01T12:00:00.000Z',
+        },
+        {
+          id: 'new',
+          title: '',
+          state: 'running',
+          frames_processed: 3,
+          created_at: '2026-05-01T12:00:00.001Z',
+        },
       ],
     });
     expect(scans.map((scan) => scan.id)).toEqual(['new', 'old']);
@@ -23,7 +43,11 @@ describe('parseScans', () => {
   it('survives rows with fields that are missing or of the wrong kind', () => {
     const { scans, more } = parseScans({
       more: true,
-      scans: [{ id: 'a', state: 7, frames_processed: 'many', created_at: 'soon' }, null, { title: 'no id' }],
+      scans: [
+        { id: 'a', state: 7, frames_processed: 'many', created_at: 'soon' },
+        null,
+        { title: 'no id' },
+      ],
     });
     expect(scans).toEqual([
       {
@@ -43,7 +67,8 @@ describe('parseScans', () => {
   });
 
   it('says so when the answer is no list', () => {
-    for (const answer of [null, [], {}, { scans: 3 }]) expect(() => parseScans(answer)).toThrow(ApiError);
+    for (const answer of [null, [], {}, { scans: 3 }])
+      expect(() => parseScans(answer)).toThrow(ApiError);
   });
 });
 
@@ -63,13 +88,25 @@ describe('shareLinkOf', () => {
   const json = { path: '/#share=hms_1&scan=s1' };
 
   it('begins where the page is', () => {
-    expect(shareLinkOf(json, { origin: 'https://a.org', pathname: '/' })).toBe('https://a.org/#share=hms_1&scan=s1');
-    expect(shareLinkOf(json, { origin: 'https://a.org', pathname: '/scans/index.html' })).toBe('https://a.org/scans/#share=hms_1&scan=s1');
+    expect(shareLinkOf(json, { origin: 'https://a.org', pathname: '/' })).toBe(
+      'https://a.org/#share=hms_1&scan=s1',
+    );
+    expect(shareLinkOf(json, { origin: 'https://a.org', pathname: '/scans/index.html' })).toBe(
+      'https://a.org/scans/#share=hms_1&scan=s1',
+    );
   });
 
   it('never leads elsewhere', () => {
-    for (const answer of [null, {}, { path: 3 }, { path: '//evil.com/#share=x' }, { path: 'https://evil.com' }])
-      expect(() => shareLinkOf(answer, { origin: 'https://a.org', pathname: '/' })).toThrow(ApiError);
+    for (const answer of [
+      null,
+      {},
+      { path: 3 },
+      { path: '//evil.com/#share=x' },
+      { path: 'https://evil.com' },
+    ])
+      expect(() => shareLinkOf(answer, { origin: 'https://a.org', pathname: '/' })).toThrow(
+        ApiError,
+      );
   });
 });
 
@@ -84,7 +121,9 @@ describe('fileNameOf', () => {
 
 describe('refusalOf', () => {
   it('has the message of the server, else the status', () => {
-    expect(refusalOf('{"error": {"message": "the disk is full"}}', 507)).toBe('The server says: the disk is full.');
+    expect(refusalOf('{"error": {"message": "the disk is full"}}', 507)).toBe(
+      'The server says: the disk is full.',
+    );
     for (const body of ['', '<html>', '{}', 'null', '{"error": {"message": 3}}'])
       expect(refusalOf(body, 502)).toBe('The server answered with HTTP 502.');
   });

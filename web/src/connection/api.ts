@@ -1,4 +1,5 @@
-// The HTTP side of the server: the list of scans and the files of one. Failures are ApiErrors with a message; every request ends after a time limit.
+// The HTTP side of the server: the list of scans and the files of one. Failures are ApiErrors with
+// a message; every request ends after a time limit.
 import { t } from '../texts/texts';
 import type { ScanPhaseName } from './events';
 
@@ -29,7 +30,8 @@ export class ApiError extends Error {
 }
 
 // What people are told of a failed request.
-export const errorText = (error: unknown, otherwise = t.thatDidNotWork): string => (error instanceof ApiError ? error.message : otherwise);
+export const errorText = (error: unknown, otherwise = t.thatDidNotWork): string =>
+  error instanceof ApiError ? error.message : otherwise;
 
 export interface ScanList {
   readonly scans: readonly ScanSummary[]; // newest first
@@ -46,15 +48,23 @@ export async function fetchScans(token: string, olderThan = ''): Promise<ScanLis
 export async function fetchScan(scanId: string, token: string): Promise<ScanSummary> {
   const response = await request(scanPath(scanId), token, { limit_ms: listLimit_ms });
   const json: unknown = await response.json();
-  if (!isRecord(json) || typeof json['id'] !== 'string') throw new ApiError(t.theServersAnswerCannotBeRead, false);
+  if (!isRecord(json) || typeof json['id'] !== 'string')
+    throw new ApiError(t.theServersAnswerCannotBeRead, false);
   return summaryOf(json);
 }
 
-// And those of `known` that are older than all of these: what was removed among the newer ones is gone.
-export function withOlder(newer: readonly ScanSummary[], known: readonly ScanSummary[]): ScanSummary[] {
+// And those of `known` that are older than all of these: what was removed
+// among the newer ones is gone.
+export function withOlder(
+  newer: readonly ScanSummary[],
+  known: readonly ScanSummary[],
+): ScanSummary[] {
   const ids = new Set(newer.map((scan) => scan.id));
   const last_ms = newer.at(-1)?.started?.getTime() ?? Infinity;
-  return [...newer, ...known.filter((scan) => !ids.has(scan.id) && (scan.started?.getTime() ?? 0) <= last_ms)];
+  return [
+    ...newer,
+    ...known.filter((scan) => !ids.has(scan.id) && (scan.started?.getTime() ?? 0) <= last_ms),
+  ];
 }
 
 // A link cannot carry the token, hence what is saved was fetched before.
@@ -70,21 +80,29 @@ export function saveAs(blob: Blob, name: string): void {
 // Of all that belongs to one scan.
 export const scanPath = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}`;
 
-// The address of a new share link: whoever has it may look at this scan, and at nothing else, until it expires.
+// The address of a new share link: whoever has it may look at this scan, and at
+// nothing else, until it expires.
 export async function createShareLink(
   scanId: string,
   token: string,
   wanted?: { readonly name: string; readonly days: number },
 ): Promise<string> {
-  const said = wanted ? { headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(wanted) } : {};
-  const response = await request(`${scanPath(scanId)}/shares`, token, { limit_ms: listLimit_ms, method: 'POST', ...said });
+  const said = wanted
+    ? { headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(wanted) }
+    : {};
+  const response = await request(`${scanPath(scanId)}/shares`, token, {
+    limit_ms: listLimit_ms,
+    method: 'POST',
+    ...said,
+  });
   return shareLinkOf(await response.json(), location);
 }
 
 // The server knows the path, the page knows where it is (behind a proxy, perhaps below a folder).
 export function shareLinkOf(json: unknown, page: Pick<Location, 'origin' | 'pathname'>): string {
   const path = isRecord(json) ? json['path'] : null;
-  if (typeof path !== 'string' || !path.startsWith('/#share=')) throw new ApiError(t.theServersAnswerCannotBeRead, false);
+  if (typeof path !== 'string' || !path.startsWith('/#share='))
+    throw new ApiError(t.theServersAnswerCannotBeRead, false);
   return page.origin + page.pathname.replace(/[^/]*$/, '') + path.slice(1);
 }
 
@@ -103,13 +121,22 @@ export interface Asking {
   readonly body?: string;
   readonly signal?: AbortSignal; // somebody may want no answer any more
   readonly keepalive?: boolean; // it outlives the page
-  readonly expected?: readonly number[]; // statuses that are no failure, though they are no success either
+  // Statuses that are no failure, though they are no success either.
+  readonly expected?: readonly number[];
 }
 
 export async function request(
   path: string,
   token: string,
-  { limit_ms, method = 'GET', headers = {}, body, signal, keepalive = false, expected = [] }: Asking,
+  {
+    limit_ms,
+    method = 'GET',
+    headers = {},
+    body,
+    signal,
+    keepalive = false,
+    expected = [],
+  }: Asking,
 ): Promise<Response> {
   const limit = AbortSignal.timeout(limit_ms);
   let response: Response;
@@ -143,7 +170,8 @@ export function refusalOf(body: string, status: number): string {
   try {
     const json: unknown = JSON.parse(body);
     const error = isRecord(json) ? json['error'] : null;
-    if (isRecord(error) && textOf(error['message'])) return t.theServerSays(textOf(error['message']));
+    if (isRecord(error) && textOf(error['message']))
+      return t.theServerSays(textOf(error['message']));
   } catch {
     // No JSON: a proxy has answered.
   }
@@ -179,11 +207,17 @@ function summaryOf(row: Record<string, unknown>): ScanSummary {
 }
 
 function phaseOf(value: unknown): ScanPhaseName {
-  return value === 'running' || value === 'finished' || value === 'failed' || value === 'interrupted' ? value : 'unknown';
+  return value === 'running' ||
+    value === 'finished' ||
+    value === 'failed' ||
+    value === 'interrupted'
+    ? value
+    : 'unknown';
 }
 
 export const textOf = (value: unknown): string => (typeof value === 'string' ? value : '');
-export const numberOf = (value: unknown): number | null => (typeof value === 'number' && Number.isFinite(value) ? value : null);
+export const numberOf = (value: unknown): number | null =>
+  typeof value === 'number' && Number.isFinite(value) ? value : null;
 
 function dateOf(value: unknown): Date | null {
   const time_ms = typeof value === 'string' ? Date.parse(value) : NaN;

@@ -1,4 +1,5 @@
-// Full-jitter backoff between attempts to connect: half a second at most first, thirty seconds at most later, never less than a quarter.
+// Full-jitter backoff between attempts to connect: half a second at most first, thirty seconds at
+// most later, never less than a quarter.
 
 export const firstDelay_ms = 500;
 export const longestDelay_ms = 30_000;

@@ -9,8 +9,11 @@ export type CompareAnswer = { readonly points: ComparedPoints } | { readonly mes
 self.onmessage = ({ data }: MessageEvent<ArrayBuffer>) => {
   try {
     const points = readComparedPoints(data);
-    const buffers = points.chunks.flatMap(({ points: { positions_m, colors, normals, radii_m }, states, distances_m }) =>
-      [positions_m, colors, normals, radii_m, states, distances_m].map(({ buffer }) => buffer as ArrayBuffer),
+    const buffers = points.chunks.flatMap(
+      ({ points: { positions_m, colors, normals, radii_m }, states, distances_m }) =>
+        [positions_m, colors, normals, radii_m, states, distances_m].map(
+          ({ buffer }) => buffer as ArrayBuffer,
+        ),
     );
     self.postMessage({ points } satisfies CompareAnswer, buffers);
   } catch (error) {

@@ -10,28 +10,37 @@ interface Row {
   readonly region?: number;
 }
 
-const columns =
-  'float x|float y|float z|float nx|float ny|float nz|uchar red|uchar green|uchar blue|float distance|float sigma|uchar state|uchar scan|int region'.split(
-    '|',
-  );
+const columns = [
+  ...['x', 'y', 'z', 'nx', 'ny', 'nz'].map((name) => `float ${name}`),
+  ...['red', 'green', 'blue'].map((name) => `uchar ${name}`),
+  'float distance',
+  'float sigma',
+  'uchar state',
+  'uchar scan',
+  'int region',
+];
 
 function ply(rows: readonly Row[], names = columns, count = rows.length): ArrayBuffer {
+  const properties = names.map((name) => `property ${name}\n`).join('');
   const header = new TextEncoder().encode(
-    `ply\nformat binary_little_endian 1.0\ncomment a test\nelement vertex ${count}\n${names.map((name) => `property ${name}\n`).join('')}end_header\n`,
+    'ply\nformat binary_little_endian 1.0\ncomment a test\n' +
+      `element vertex ${count}\n${properties}end_header\n`,
   );
   const bytes = new ArrayBuffer(header.length + 41 * rows.length);
   new Uint8Array(bytes).set(header);
   const view = new DataView(bytes);
-  rows.forEach(({ at, normal = [0, 0, -1], distance = NaN, state = 1, scan = 0, region = -1 }, i) => {
-    const begin = header.length + 41 * i;
-    [...at, ...normal].forEach((value, axis) => view.setFloat32(begin + 4 * axis, value, true));
-    [200, 100, 50].forEach((value, channel) => view.setUint8(begin + 24 + channel, value));
-    view.setFloat32(begin + 27, distance, true);
-    view.setFloat32(begin + 31, 0.001, true);
-    view.setUint8(begin + 35, state);
-    view.setUint8(begin + 36, scan);
-    view.setInt32(begin + 37, region, true);
-  });
+  rows.forEach(
+    ({ at, normal = [0, 0, -1], distance = NaN, state = 1, scan = 0, region = -1 }, i) => {
+      const begin = header.length + 41 * i;
+      [...at, ...normal].forEach((value, axis) => view.setFloat32(begin + 4 * axis, value, true));
+      [200, 100, 50].forEach((value, channel) => view.setUint8(begin + 24 + channel, value));
+      view.setFloat32(begin + 27, distance, true);
+      view.setFloat32(begin + 31, 0.001, true);
+      view.setUint8(begin + 35, state);
+      view.setUint8(begin + 36, scan);
+      view.setInt32(begin + 37, region, true);
+    },
+  );
   return bytes;
 }
 

@@ -1,5 +1,5 @@
-// The points of a comparison (core/compare/compare_output.h) -> chunks to be shown. The bytes come from our own server, but what they declare is
-// checked before anything is read by it.
+// The points of a comparison (core/compare/compare_output.h) -> chunks to be shown. The bytes come
+// from our own server, but what they declare is checked before anything is read by it.
 import type { ChunkPoints } from './events';
 import { radiiOf } from './spacing';
 
@@ -21,7 +21,8 @@ export interface ComparedChunk {
 // Where a region lies as its points say, and where it looks.
 export interface RegionPlace {
   readonly middle_m: readonly [number, number, number];
-  readonly normal: readonly [number, number, number]; // mean of its points, of unit length; 0 if they cancel out
+  // The mean of its points, of unit length; 0 if they cancel out.
+  readonly normal: readonly [number, number, number];
 }
 
 export interface ComparedPoints {
@@ -38,9 +39,20 @@ interface Column {
   readonly type: string;
 }
 
-const sizes: Readonly<Record<string, number>> = { char: 1, uchar: 1, short: 2, ushort: 2, int: 4, uint: 4, float: 4, double: 8 };
+const sizes: Readonly<Record<string, number>> = {
+  char: 1,
+  uchar: 1,
+  short: 2,
+  ushort: 2,
+  int: 4,
+  uint: 4,
+  float: 4,
+  double: 8,
+};
 const wanted: Readonly<Record<string, string>> = {
-  ...Object.fromEntries(['x', 'y', 'z', 'nx', 'ny', 'nz', 'distance', 'sigma'].map((name) => [name, 'float'])),
+  ...Object.fromEntries(
+    ['x', 'y', 'z', 'nx', 'ny', 'nz', 'distance', 'sigma'].map((name) => [name, 'float']),
+  ),
   ...Object.fromEntries(['red', 'green', 'blue', 'state', 'scan'].map((name) => [name, 'uchar'])),
   region: 'int',
 };
@@ -60,7 +72,10 @@ export function readComparedPoints(buffer: ArrayBuffer): ComparedPoints {
   for (let i = 0; i < header.count; ++i) {
     const position = [at.x(i), at.y(i), at.z(i)];
     if (!position.every(Number.isFinite)) throw new PointsError('a position is not finite');
-    const name = [at.scan(i) === 0 ? 0 : 1, ...position.map((value) => Math.floor(value / cube_m))].join(' ');
+    const name = [
+      at.scan(i) === 0 ? 0 : 1,
+      ...position.map((value) => Math.floor(value / cube_m)),
+    ].join(' ');
     const list = members.get(name);
     if (list) list.push(i);
     else members.set(name, [i]);
@@ -77,7 +92,10 @@ export function readComparedPoints(buffer: ArrayBuffer): ComparedPoints {
   return {
     chunks: [...members].map(([name, list]) => chunkOf(name, list, at)),
     regions: new Map(
-      [...regions].map(([region, { count, sum, normal }]) => [region, { middle_m: scaled(sum, 1 / count), normal: unit(normal) }]),
+      [...regions].map(([region, { count, sum, normal }]) => [
+        region,
+        { middle_m: scaled(sum, 1 / count), normal: unit(normal) },
+      ]),
     ),
   };
 }
@@ -93,22 +111,38 @@ function headerOf(buffer: ArrayBuffer): Header {
   const columns = new Map<string, Column>();
   for (const line of text.slice(0, end).split('\n')) {
     const [word, first = '', second = ''] = line.split(' ');
-    if (word === 'element') count = first === 'vertex' && /^\d{1,9}$/.test(second) ? Number(second) : -1;
+    if (word === 'element')
+      count = first === 'vertex' && /^\d{1,9}$/.test(second) ? Number(second) : -1;
     if (word !== 'property') continue;
     columns.set(second, { offset: stride, type: first });
     stride += sizes[first] ?? NaN;
   }
   for (const [name, type] of Object.entries(wanted))
-    if (columns.get(name)?.type !== type) throw new PointsError(`the points have no column ${name}`);
-  if (count < 0 || count > mostPoints) throw new PointsError(`${count} points, allowed are up to ${mostPoints}`);
-  if (buffer.byteLength !== begin + count * stride) throw new PointsError(`${count} points do not fit into ${buffer.byteLength} bytes`);
+    if (columns.get(name)?.type !== type)
+      throw new PointsError(`the points have no column ${name}`);
+  if (count < 0 || count > mostPoints)
+    throw new PointsError(`${count} points, allowed are up to ${mostPoints}`);
+  if (buffer.byteLength !== begin + count * stride)
+    throw new PointsError(`${count} points do not fit into ${buffer.byteLength} bytes`);
   return { count, stride, begin, columns };
 }
 
 type Reader = Readonly<Record<string, (i: number) => number>> &
   Readonly<
     Record<
-      'x' | 'y' | 'z' | 'nx' | 'ny' | 'nz' | 'red' | 'green' | 'blue' | 'distance' | 'state' | 'scan' | 'region',
+      | 'x'
+      | 'y'
+      | 'z'
+      | 'nx'
+      | 'ny'
+      | 'nz'
+      | 'red'
+      | 'green'
+      | 'blue'
+      | 'distance'
+      | 'state'
+      | 'scan'
+      | 'region',
       (i: number) => number
     >
   >;
@@ -120,7 +154,9 @@ function readerOf(buffer: ArrayBuffer, { stride, begin, columns }: Header): Read
     if (type === 'int') return (i) => view.getInt32(begin + i * stride + offset, true);
     return (i) => view.getUint8(begin + i * stride + offset);
   };
-  return Object.fromEntries(Object.keys(wanted).map((name) => [name, read(columns.get(name)!)])) as Reader;
+  return Object.fromEntries(
+    Object.keys(wanted).map((name) => [name, read(columns.get(name)!)]),
+  ) as Reader;
 }
 
 function chunkOf(name: string, members: readonly number[], at: Reader): ComparedChunk {

@@ -2,7 +2,14 @@ import { describe, expect, it } from 'vitest';
 import { ApiError } from './api';
 import { parseComparison } from './comparisons';
 
-const region = { kind: 'moved_away', area_m2: 0.04, mean_distance_m: -0.021, sigma_m: 0.001, low_m: [0, 0, 0], high_m: [1, 1, 1] };
+const region = {
+  kind: 'moved_away',
+  area_m2: 0.04,
+  mean_distance_m: -0.021,
+  sigma_m: 0.001,
+  low_m: [0, 0, 0],
+  high_m: [1, 1, 1],
+};
 const report = {
   verdict: 'same_place',
   agreeing_share: 0.98,
@@ -19,7 +26,13 @@ const report = {
 
 describe('a comparison', () => {
   it('is read with its report when it is ready', () => {
-    const { state, report: read } = parseComparison({ with: 'b', state: 'ready', done: 1, words: '', report });
+    const { state, report: read } = parseComparison({
+      with: 'b',
+      state: 'ready',
+      done: 1,
+      words: '',
+      report,
+    });
     expect(state).toBe('ready');
     expect(read).toMatchObject({
       verdict: 'same_place',
@@ -29,14 +42,28 @@ describe('a comparison', () => {
       pathsKnown: [true, false],
     });
     expect(read!.regions).toEqual([
-      { kind: 'moved_away', area_m2: 0.04, distance_m: -0.021, sigma_m: 0.001, low_m: [0, 0, 0], high_m: [1, 1, 1] },
+      {
+        kind: 'moved_away',
+        area_m2: 0.04,
+        distance_m: -0.021,
+        sigma_m: 0.001,
+        low_m: [0, 0, 0],
+        high_m: [1, 1, 1],
+      },
     ]);
   });
   it('has no report before that', () => {
-    expect(parseComparison({ state: 'running', done: 7, words: '' })).toEqual({ state: 'running', done: 1, words: '', report: null });
+    expect(parseComparison({ state: 'running', done: 7, words: '' })).toEqual({
+      state: 'running',
+      done: 1,
+      words: '',
+      report: null,
+    });
   });
   it('of other places has no regions', () => {
-    expect(parseComparison({ state: 'ready', report: { verdict: 'mirrored', words: 'x' } }).report).toMatchObject({
+    expect(
+      parseComparison({ state: 'ready', report: { verdict: 'mirrored', words: 'x' } }).report,
+    ).toMatchObject({
       verdict: 'mirrored',
       weakestSigma_m: null,
       regions: [],

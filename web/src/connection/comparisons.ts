@@ -9,7 +9,14 @@ const limit_ms = 10_000;
 const reportLimit_ms = 60_000;
 const pointsLimit_ms = 30 * 60_000;
 
-export const verdicts = ['same_place', 'different_places', 'ambiguous', 'sliding', 'mirrored', 'too_sparse'] as const;
+export const verdicts = [
+  'same_place',
+  'different_places',
+  'ambiguous',
+  'sliding',
+  'mirrored',
+  'too_sparse',
+] as const;
 export type Verdict = (typeof verdicts)[number];
 
 export const regionKinds = ['added', 'removed', 'moved_towards', 'moved_away'] as const;
@@ -31,12 +38,16 @@ export interface CompareReport {
   readonly verdict: Verdict;
   readonly agreeingShare: number; // of what both scans saw
   readonly overlap: number; // of the smaller scan
-  readonly weakestSigma_m: number | null; // of the registration, in its least certain direction; null without one
+  // Of the registration, in its least certain direction; null without a registration.
+  readonly weakestSigma_m: number | null;
   readonly leastChange_m: number;
   readonly comparedArea_m2: number;
   readonly unseenArea_m2: number;
-  readonly partCounts: readonly [number, number]; // of the scans' maps: above 1 it is not known how they lie to each other
-  readonly pathsKnown: readonly [boolean, boolean]; // without the second nothing is called removed, without the first nothing added
+  // The parts of the scans' maps: above 1 it is not known how they lie to each other.
+  readonly partCounts: readonly [number, number];
+  // Without the path of the second scan nothing is called removed, without that of
+  // the first nothing added.
+  readonly pathsKnown: readonly [boolean, boolean];
   readonly regions: readonly ChangedRegion[];
 }
 
@@ -48,27 +59,58 @@ export interface ComparisonState {
 }
 
 const pathOf = (first: string): string => `${scanPath(first)}/comparisons`;
-const entryOf = (first: string, second: string): string => `${pathOf(first)}/${encodeURIComponent(second)}`;
+const entryOf = (first: string, second: string): string =>
+  `${pathOf(first)}/${encodeURIComponent(second)}`;
 
-export async function fetchComparison(first: string, second: string, token: string, signal?: AbortSignal): Promise<ComparisonState> {
-  const response = await request(entryOf(first, second), token, { limit_ms: reportLimit_ms, ...(signal ? { signal } : {}) });
+export async function fetchComparison(
+  first: string,
+  second: string,
+  token: string,
+  signal?: AbortSignal,
+): Promise<ComparisonState> {
+  const response = await request(entryOf(first, second), token, {
+    limit_ms: reportLimit_ms,
+    ...(signal ? { signal } : {}),
+  });
   return parseComparison(await response.json());
 }
 
-export async function requestComparison(first: string, second: string, token: string): Promise<void> {
+export async function requestComparison(
+  first: string,
+  second: string,
+  token: string,
+): Promise<void> {
   const headers = { 'Content-Type': 'application/json' };
-  await request(pathOf(first), token, { limit_ms, method: 'POST', headers, body: JSON.stringify({ with: second }) });
+  await request(pathOf(first), token, {
+    limit_ms,
+    method: 'POST',
+    headers,
+    body: JSON.stringify({ with: second }),
+  });
 }
 
-export async function removeComparison(first: string, second: string, token: string): Promise<void> {
+export async function removeComparison(
+  first: string,
+  second: string,
+  token: string,
+): Promise<void> {
   await request(entryOf(first, second), token, { limit_ms, method: 'DELETE' });
 }
 
-export async function fetchComparedPoints(first: string, second: string, token: string, signal: AbortSignal): Promise<ComparedPoints> {
-  const response = await request(`${scanPath(first)}/compared-points/${encodeURIComponent(second)}`, token, {
-    limit_ms: pointsLimit_ms,
-    signal,
-  });
+export async function fetchComparedPoints(
+  first: string,
+  second: string,
+  token: string,
+  signal: AbortSignal,
+): Promise<ComparedPoints> {
+  const response = await request(
+    `${scanPath(first)}/compared-points/${encodeURIComponent(second)}`,
+    token,
+    {
+      limit_ms: pointsLimit_ms,
+      signal,
+    },
+  );
   const bytes = await response.arrayBuffer().catch(() => {
     throw new ApiError(t.theDownloadWasCutOff, false, true);
   });
@@ -79,7 +121,8 @@ function readInWorker(bytes: ArrayBuffer, signal: AbortSignal): Promise<Compared
   const worker = new Worker(new URL('./compare_worker.ts', import.meta.url), { type: 'module' });
   return new Promise<ComparedPoints>((resolve, reject) => {
     const failed = (): void => reject(new ApiError(t.theComparisonCannotBeShown, false));
-    worker.onmessage = ({ data }: MessageEvent<CompareAnswer>) => ('points' in data ? resolve(data.points) : failed());
+    worker.onmessage = ({ data }: MessageEvent<CompareAnswer>) =>
+      'points' in data ? resolve(data.points) : failed();
     worker.onerror = (event) => {
       event.preventDefault();
       failed();
@@ -94,7 +137,12 @@ export function parseComparison(json: unknown): ComparisonState {
   const state = exportStates.find((name) => name === json['state']);
   if (!state) throw new ApiError(t.theServersAnswerCannotBeRead, false);
   const report = state === 'ready' ? reportOf(json['report']) : null;
-  return { state, done: Math.min(1, Math.max(0, numberOf(json['done']) ?? 0)), words: textOf(json['words']), report };
+  return {
+    state,
+    done: Math.min(1, Math.max(0, numberOf(json['done']) ?? 0)),
+    words: textOf(json['words']),
+    report,
+  };
 }
 
 function reportOf(json: unknown): CompareReport {

@@ -5,13 +5,19 @@ import { DracoDecoder } from './draco';
 import { DracoError } from './draco_instance';
 
 const here = new URL('.', import.meta.url).pathname;
-const wasm = readFileSync(`${here}/../../node_modules/three/examples/jsm/libs/draco/draco_decoder.wasm`);
-const golden = new Uint8Array(readFileSync(`${here}/testdata/sphere_chunk.drc`)); // tests/core/output/golden_chunk_test.cpp
+const wasm = readFileSync(
+  `${here}/../../node_modules/three/examples/jsm/libs/draco/draco_decoder.wasm`,
+);
+// The file is made by tests/core/output/golden_chunk_test.cpp.
+const golden = new Uint8Array(readFileSync(`${here}/testdata/sphere_chunk.drc`));
 const goldenCount = 500;
 const chunkEdge_m = 0.32;
 const halfStep_m = chunkEdge_m / 512 / 2;
 
-const decoder = (): DracoDecoder => new DracoDecoder(wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.byteLength) as ArrayBuffer);
+const decoder = (): DracoDecoder =>
+  new DracoDecoder(
+    wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.byteLength) as ArrayBuffer,
+  );
 const changed = (index: number, value: number): Uint8Array => {
   const bytes = golden.slice();
   bytes[index] = value;
@@ -28,10 +34,16 @@ describe('DracoDecoder', () => {
       const radius_m = Math.hypot(...fromCenter);
       expect(Math.abs(radius_m - 0.1)).toBeLessThan(2 * halfStep_m);
       for (let axis = 0; axis < 3; ++axis) {
-        expect(Math.abs(points.colors[4 * i + axis]! - (255 * position[axis]!) / chunkEdge_m)).toBeLessThan(1.01);
-        expect(Math.abs(points.normals[4 * i + axis]! / 127 - fromCenter[axis]! / 0.1)).toBeLessThan(0.03);
+        expect(
+          Math.abs(points.colors[4 * i + axis]! - (255 * position[axis]!) / chunkEdge_m),
+        ).toBeLessThan(1.01);
+        expect(
+          Math.abs(points.normals[4 * i + axis]! / 127 - fromCenter[axis]! / 0.1),
+        ).toBeLessThan(0.03);
       }
-      expect(Math.abs(points.colors[4 * i + 3]! - (8 * 20 * position[2]!) / chunkEdge_m)).toBeLessThan(1.01);
+      expect(
+        Math.abs(points.colors[4 * i + 3]! - (8 * 20 * position[2]!) / chunkEdge_m),
+      ).toBeLessThan(1.01);
     }
     for (let axis = 0; axis < 3; ++axis) {
       expect(points.min_m[axis]).toBeCloseTo(0.06, 2);
@@ -42,7 +54,8 @@ describe('DracoDecoder', () => {
   it('reads the same chunk again and again', async () => {
     const shared = decoder();
     const first = await shared.decode(golden, goldenCount, 0);
-    for (let i = 0; i < 20; ++i) expect((await shared.decode(golden, goldenCount, 0)).positions_m).toEqual(first.positions_m);
+    for (let i = 0; i < 20; ++i)
+      expect((await shared.decode(golden, goldenCount, 0)).positions_m).toEqual(first.positions_m);
   });
 
   it.each([

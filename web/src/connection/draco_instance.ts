@@ -1,5 +1,8 @@
-// One WebAssembly instance of Draco's decoder, made when it is first needed and thrown away after a trap.
-import createModule, { type DracoModule } from 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js';
+// One WebAssembly instance of Draco's decoder, made when it is first needed and
+// thrown away after a trap.
+import createModule, {
+  type DracoModule,
+} from 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js';
 
 export class DracoError extends Error {}
 

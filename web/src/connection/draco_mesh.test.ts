@@ -5,12 +5,17 @@ import { DracoError } from './draco_instance';
 import { DracoMeshDecoder, type WantedAttribute } from './draco_mesh';
 
 const here = new URL('.', import.meta.url).pathname;
-const wasm = readFileSync(`${here}/../../node_modules/three/examples/jsm/libs/draco/draco_decoder.wasm`);
-// `hermite export FILE.ply --format glb-draco` of nine vertices and eight triangles: a shallow roof of 0.2 m, red, green and blue by rows.
+const wasm = readFileSync(
+  `${here}/../../node_modules/three/examples/jsm/libs/draco/draco_decoder.wasm`,
+);
+// `hermite export FILE.ply --format glb-draco` of nine vertices and eight triangles: a shallow roof
+// of 0.2 m, red, green and blue by rows.
 const glb = readFileSync(`${here}/testdata/roof.glb`);
 
 const decoder = (): DracoMeshDecoder =>
-  new DracoMeshDecoder(wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.byteLength) as ArrayBuffer);
+  new DracoMeshDecoder(
+    wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.byteLength) as ArrayBuffer,
+  );
 
 // What GLTFLoader passes on.
 function primitiveOf(file: Buffer): { draco: Uint8Array; wanted: WantedAttribute[] } {
@@ -33,7 +38,7 @@ function primitiveOf(file: Buffer): { draco: Uint8Array; wanted: WantedAttribute
 describe('DracoMeshDecoder', () => {
   const { draco, wanted } = primitiveOf(glb);
 
-  it('reads what the server wrote: triangles, positions with y up, normals and colours', async () => {
+  it('reads what the server wrote: triangles, positions with y up, normals, colours', async () => {
     const mesh = await decoder().decode(draco, wanted);
     expect(mesh.index.length).toBe(3 * 8);
     const [position, normal, color] = mesh.attributes;
@@ -66,14 +71,18 @@ describe('DracoMeshDecoder', () => {
     for (let i = 0; i < draco.length; ++i) {
       const bytes = draco.slice();
       bytes[i]! ^= 0xff;
-      await one.decode(bytes, wanted).catch((error: unknown) => expect(error).toBeInstanceOf(DracoError));
+      await one
+        .decode(bytes, wanted)
+        .catch((error: unknown) => expect(error).toBeInstanceOf(DracoError));
     }
     expect((await one.decode(draco, wanted)).index.length).toBe(3 * 8);
   });
 
   it('refuses a mesh without a wanted attribute, and leaves out an optional one', async () => {
     const other = { name: 'other', uniqueId: 77, type: 'Uint8Array' } as const;
-    await expect(decoder().decode(draco, [...wanted, other])).rejects.toThrow('attribute other is missing');
+    await expect(decoder().decode(draco, [...wanted, other])).rejects.toThrow(
+      'attribute other is missing',
+    );
     const mesh = await decoder().decode(draco, [{ ...other, optional: true }, ...wanted]);
     expect(mesh.attributes.map(({ name }) => name)).toEqual(wanted.map(({ name }) => name));
   });

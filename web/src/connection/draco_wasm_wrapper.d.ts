@@ -17,7 +17,13 @@ declare module 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js' {
     DecodeBufferToPointCloud(buffer: DracoBuffer, cloud: DracoCloud): DracoStatus;
     GetAttributeId(cloud: DracoCloud, type: number): number;
     GetAttribute(cloud: DracoCloud, id: number): DracoAttribute;
-    GetAttributeDataArrayForAllPoints(cloud: DracoCloud, attribute: DracoAttribute, type: number, bytes: number, pointer: number): boolean;
+    GetAttributeDataArrayForAllPoints(
+      cloud: DracoCloud,
+      attribute: DracoAttribute,
+      type: number,
+      bytes: number,
+      pointer: number,
+    ): boolean;
   }
   export interface DracoMesh {
     num_points(): number;
@@ -27,7 +33,13 @@ declare module 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js' {
     DecodeBufferToMesh(buffer: DracoBuffer, mesh: DracoMesh): DracoStatus;
     GetAttributeByUniqueId(mesh: DracoMesh, id: number): DracoAttribute;
     GetTrianglesUInt32Array(mesh: DracoMesh, bytes: number, pointer: number): boolean;
-    GetAttributeDataArrayForAllPoints(mesh: DracoMesh, attribute: DracoAttribute, type: number, bytes: number, pointer: number): boolean;
+    GetAttributeDataArrayForAllPoints(
+      mesh: DracoMesh,
+      attribute: DracoAttribute,
+      type: number,
+      bytes: number,
+      pointer: number,
+    ): boolean;
   }
   export interface DracoModule {
     readonly POSITION: number;

@@ -15,17 +15,23 @@ const list: EditList = {
 afterEach(() => vi.unstubAllGlobals());
 
 function answering(body: unknown, status = 200) {
-  const fetched = vi.fn(async (_url: string, _init: RequestInit) => new Response(JSON.stringify(body), { status }));
+  const fetched = vi.fn(
+    async (_url: string, _init: RequestInit) => new Response(JSON.stringify(body), { status }),
+  );
   vi.stubGlobal('fetch', fetched);
   return fetched;
 }
 
-const sent = (fetched: ReturnType<typeof answering>): unknown => JSON.parse(String(fetched.mock.calls[0]![1].body));
+const sent = (fetched: ReturnType<typeof answering>): unknown =>
+  JSON.parse(String(fetched.mock.calls[0]![1].body));
 
 describe('edits', () => {
   it('are sent as they are read', async () => {
     const fetched = answering({ version: 4, edits: [] });
-    expect(await saveEdits('s', 'token', list)).toEqual({ kind: 'done', now: { version: 4, edits: [] } });
+    expect(await saveEdits('s', 'token', list)).toEqual({
+      kind: 'done',
+      now: { version: 4, edits: [] },
+    });
     expect(fetched.mock.calls[0]![0]).toContain('/scans/s/edits');
     expect(parseEdits(sent(fetched))).toEqual(list);
   });
@@ -34,7 +40,9 @@ describe('edits', () => {
     const [along, up, across] = threeOf(axes);
     const other = across.map((value) => -value);
     const box = { axes: [along, up, other], low_m: [-1, 0, -3], high_m: [1, 2, -2] };
-    expect(parseEdits({ version: 3, edits: [{ kind: 'remove_inside', box }] }).edits[0]).toEqual(list.edits[0]);
+    expect(parseEdits({ version: 3, edits: [{ kind: 'remove_inside', box }] }).edits[0]).toEqual(
+      list.edits[0],
+    );
   });
 
   it('of somebody else come with the refusal', async () => {
@@ -47,7 +55,12 @@ describe('edits', () => {
   });
 
   it('that are not known are not read, so that no change loses them', () => {
-    for (const edit of [{ kind: 'melt' }, { kind: 'keep_inside' }, { kind: 'remove_floating' }, null])
+    for (const edit of [
+      { kind: 'melt' },
+      { kind: 'keep_inside' },
+      { kind: 'remove_floating' },
+      null,
+    ])
       expect(() => parseEdits({ version: 1, edits: [edit] })).toThrow();
     expect(() => parseEdits({ edits: [] })).toThrow();
   });

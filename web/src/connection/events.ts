@@ -1,4 +1,5 @@
-// What the worker tells the page about one scan: plain values, already decoded and checked. Lengths are metres, the frame is in the name.
+// What the worker tells the page about one scan: plain values, already decoded and checked. Lengths
+// are metres, the frame is in the name.
 
 export interface Pose {
   readonly translation: readonly [number, number, number];
@@ -28,7 +29,8 @@ export interface ChunkPoints {
   readonly count: number;
   readonly positions_m: Float32Array; // 3 a point
   readonly colors: Uint8Array; // 4 a point: red, green, blue (sRGB) and confidence * 8
-  readonly normals: Int8Array; // 4 a point: x, y, z times 127 and a zero; all zero where there is none
+  // Four a point: x, y, z times 127 and a zero; all zero where there is no normal.
+  readonly normals: Int8Array;
   readonly radii_m: Float32Array; // of discs that leave no gaps (spacing.ts)
   readonly min_m: readonly [number, number, number];
   readonly max_m: readonly [number, number, number];
@@ -54,7 +56,9 @@ export interface MeshPiece {
   readonly index: Uint32Array; // 3 a triangle
   readonly positions_m: Float32Array; // 3 a vertex
   readonly normals: Int8Array; // 4 a vertex: x, y, z times 127 and a zero
-  readonly colors: Uint8Array; // 4 a vertex: red, green, blue (sRGB) and confidence * 8, as points have it; without confidences 255
+  // Four a vertex: red, green, blue (sRGB) and confidence * 8, as points have it;
+  // 255 without confidences.
+  readonly colors: Uint8Array;
   readonly hasConfidences: boolean; // since minor 7
 }
 
@@ -62,7 +66,14 @@ export type ScanPhaseName = 'unknown' | 'running' | 'finished' | 'failed' | 'int
 
 export type TrackingName = 'tracked' | 'weak' | 'lost';
 
-export type MapEventName = 'none' | 'lost' | 'foundAgain' | 'newPart' | 'joined' | 'loopClosed' | 'recalibrated';
+export type MapEventName =
+  | 'none'
+  | 'lost'
+  | 'foundAgain'
+  | 'newPart'
+  | 'joined'
+  | 'loopClosed'
+  | 'recalibrated';
 
 export interface FrameEvent {
   readonly kind: 'frame';
@@ -75,12 +86,15 @@ export interface FrameEvent {
   readonly residual_m: number;
   readonly surfelCount: number;
   readonly frame_ms: number;
-  readonly inSubmap: PoseInSubmap | null; // the same pose as it stays when submaps are corrected; null from an older server
+  // The same pose as it stays when submaps are corrected; null from an older server.
+  readonly inSubmap: PoseInSubmap | null;
   readonly event: MapEventName; // what the frame did to the map besides adding to it
-  readonly correction_m: number; // the farthest that a submap around the camera was moved in this frame
+  // The farthest that a submap around the camera was moved in this frame.
+  readonly correction_m: number;
   // This frame, or while lost the one that the pose is of; null before the first.
   readonly lastTracked: { readonly sequence: number; readonly timestamp_s: number } | null;
-  // Of the camera's position along the axis of the greatest error; null while lost, and from an older server.
+  // Of the camera's position along the axis of the greatest error; null while lost,
+  // and from an older server.
   readonly positionSigma_m: number | null;
 }
 
@@ -95,7 +109,8 @@ export interface SubmapPose {
   readonly part: number; // submaps of different parts are not joined yet
 }
 
-// x y z, x y z, ... Without submaps: in the world. With them, one a position: each in the frame of its submap.
+// x y z, x y z, ... Without submaps: in the world. With them, one a position: each in
+// the frame of its submap.
 export interface PastPositions {
   readonly positions_m: Float32Array;
   readonly submaps: Uint32Array | null;
@@ -106,7 +121,8 @@ export type ScanEvent =
   | { readonly kind: 'connecting'; readonly attempt: number }
   | { readonly kind: 'welcome'; readonly title: string; readonly camera: CameraIntrinsics | null }
   | { readonly kind: 'waiting'; readonly retryIn_ms: number; readonly reason: string }
-  | { readonly kind: 'closed'; readonly code: string; readonly reason: string } // for good: nobody tries again
+  // Closed for good: nobody tries again.
+  | { readonly kind: 'closed'; readonly code: string; readonly reason: string }
   | FrameEvent
   | { readonly kind: 'submapPoses'; readonly poses: readonly SubmapPose[] }
   | ({ readonly kind: 'trajectory' } & PastPositions)
@@ -142,8 +158,16 @@ export type ScanEvent =
   | { readonly kind: 'serverError'; readonly code: string; readonly message: string };
 
 export type ToWorker =
-  | { readonly kind: 'open'; readonly url: string; readonly scanId: string; readonly token: string; readonly watch: Watch }
+  | {
+      readonly kind: 'open';
+      readonly url: string;
+      readonly scanId: string;
+      readonly token: string;
+      readonly watch: Watch;
+    }
   | { readonly kind: 'watch'; readonly watch: Watch }
   | { readonly kind: 'alive?' };
 
-export type FromWorker = { readonly kind: 'event'; readonly event: ScanEvent } | { readonly kind: 'alive' };
+export type FromWorker =
+  | { readonly kind: 'event'; readonly event: ScanEvent }
+  | { readonly kind: 'alive' };

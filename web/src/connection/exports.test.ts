@@ -1,14 +1,25 @@
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { ApiError } from './api';
-import { asItIs, fetchExport, finishedAs, parseExports, removeExport, requestExport, shownMesh } from './exports';
+import {
+  asItIs,
+  fetchExport,
+  finishedAs,
+  parseExports,
+  removeExport,
+  requestExport,
+  shownMesh,
+} from './exports';
 
 afterEach(() => vi.unstubAllGlobals());
 
 describe('shownMesh', () => {
   it('is the one that was imported, else the small one', () => {
-    const exports = parseExports({ exports: [{ format: 'glb' }, { format: 'glb-draco' }, { format: 'imported' }] });
+    const exports = parseExports({
+      exports: [{ format: 'glb' }, { format: 'glb-draco' }, { format: 'imported' }],
+    });
     expect(shownMesh(exports, false)?.format).toBe('imported');
-    expect(shownMesh(exports, true)?.format).toBe('glb-draco'); // as it came it has what was taken out
+    // As it came it still has what was taken out.
+    expect(shownMesh(exports, true)?.format).toBe('glb-draco');
     expect(shownMesh(exports.slice(0, 2), false)?.format).toBe('glb-draco');
     expect(shownMesh([], true)).toBeUndefined();
   });
@@ -37,8 +48,15 @@ describe('finishedAs', () => {
     expect(finishedAs(exports, exports[0]!, asItIs)).toBe(exports[0]);
   });
   it('is missing where nobody has asked for it', () => {
-    expect(finishedAs(exports, exports[1]!, closed)).toMatchObject({ format: '', of_format: 'stl', state: 'missing' });
-    expect(finishedAs(exports, exports[0]!, { ...closed, fill_holes_mm: 150 })).toMatchObject({ state: 'missing', size_bytes: 0 });
+    expect(finishedAs(exports, exports[1]!, closed)).toMatchObject({
+      format: '',
+      of_format: 'stl',
+      state: 'missing',
+    });
+    expect(finishedAs(exports, exports[0]!, { ...closed, fill_holes_mm: 150 })).toMatchObject({
+      state: 'missing',
+      size_bytes: 0,
+    });
   });
 });
 
@@ -46,7 +64,16 @@ describe('parseExports', () => {
   it('reads every entry, and what it does not know as missing', () => {
     const [glb, odd] = parseExports({
       exports: [
-        { format: 'glb', kind: 'mesh', label: 'Mesh, GLB', file: 'mesh.glb', state: 'running', bytes: 0, done: 0.25, words: '' },
+        {
+          format: 'glb',
+          kind: 'mesh',
+          label: 'Mesh, GLB',
+          file: 'mesh.glb',
+          state: 'running',
+          bytes: 0,
+          done: 0.25,
+          words: '',
+        },
         { format: 'odd', state: 'sleeping', bytes: 'many', done: 7 },
         { state: 'ready' },
         3,
@@ -78,7 +105,8 @@ describe('parseExports', () => {
     });
   });
   it('does not take anything else for a list', () => {
-    for (const json of [null, [], {}, { exports: 3 }]) expect(() => parseExports(json)).toThrow(ApiError);
+    for (const json of [null, [], {}, { exports: 3 }])
+      expect(() => parseExports(json)).toThrow(ApiError);
   });
 });
 
@@ -94,13 +122,18 @@ describe('requestExport', () => {
     expect(sent[0]![1].body).toBe('{"format":"glb"}');
     expect(sent[0]![1].method).toBe('POST');
     await requestExport('a', 'stl', 't', { ...asItIs, fill_holes_mm: 150 });
-    expect(sent[1]![1].body).toBe('{"format":"stl","simplify_um":0,"triangles":0,"fill_holes_mm":150,"close":false}');
+    expect(sent[1]![1].body).toBe(
+      '{"format":"stl","simplify_um":0,"triangles":0,"fill_holes_mm":150,"close":false}',
+    );
   });
   it('tells a server that is busy from one that says no', async () => {
     vi.stubGlobal('fetch', async () => new Response('', { status: 503 }));
     await expect(requestExport('a', 'glb', 't')).rejects.toMatchObject({ passing: true });
     vi.stubGlobal('fetch', async () => new Response('', { status: 403 }));
-    await expect(requestExport('a', 'glb', 't')).rejects.toMatchObject({ passing: false, unauthorized: true });
+    await expect(requestExport('a', 'glb', 't')).rejects.toMatchObject({
+      passing: false,
+      unauthorized: true,
+    });
   });
 });
 
@@ -125,7 +158,10 @@ describe('fetchExport', () => {
         controller.close();
       },
     });
-    vi.stubGlobal('fetch', async () => new Response(body, { headers: { 'Content-Type': 'model/gltf-binary' } }));
+    vi.stubGlobal(
+      'fetch',
+      async () => new Response(body, { headers: { 'Content-Type': 'model/gltf-binary' } }),
+    );
     const told: number[] = [];
     const blob = await fetchExport('a', 'glb', 't', (loaded_bytes) => told.push(loaded_bytes));
     expect(told).toEqual([3, 4]);
@@ -139,6 +175,8 @@ describe('fetchExport', () => {
       },
     });
     vi.stubGlobal('fetch', async () => new Response(body));
-    await expect(fetchExport('a', 'glb', 't', () => {})).rejects.toThrow('The download was cut off.');
+    await expect(fetchExport('a', 'glb', 't', () => {})).rejects.toThrow(
+      'The download was cut off.',
+    );
   });
 });

@@ -35,14 +35,23 @@ export interface ScanExport {
   readonly words: string; // why it has failed, or still waits
 }
 
-// The mesh that the viewer shows. One that was imported is kept as it came: with edits there is another one.
-export function shownMesh(exports: readonly ScanExport[], isEdited: boolean): ScanExport | undefined {
+// The mesh that the viewer shows. One that was imported is kept as it came: with
+// edits there is another one.
+export function shownMesh(
+  exports: readonly ScanExport[],
+  isEdited: boolean,
+): ScanExport | undefined {
   const imported = isEdited ? undefined : exports.find((one) => one.format === importedMesh);
   return imported ?? exports.find((one) => one.format === viewerMesh);
 }
 
 export function isAlike(a: MeshFinish, b: MeshFinish): boolean {
-  return a.simplify_um === b.simplify_um && a.triangles === b.triangles && a.fill_holes_mm === b.fill_holes_mm && a.close === b.close;
+  return (
+    a.simplify_um === b.simplify_um &&
+    a.triangles === b.triangles &&
+    a.fill_holes_mm === b.fill_holes_mm &&
+    a.close === b.close
+  );
 }
 
 // With options, beside the export of its format as it is.
@@ -50,10 +59,19 @@ export function isMade(one: ScanExport): boolean {
   return one.format !== one.of_format;
 }
 
-// What `plain` is with its mesh finished so; one that nobody has asked for is missing and has no format of its own yet.
-export function finishedAs(exports: readonly ScanExport[], plain: ScanExport, finish: MeshFinish): ScanExport {
-  const there = exports.find((one) => one.of_format === plain.of_format && isAlike(one.finish, finish));
-  return there ?? { ...plain, format: '', finish, state: 'missing', size_bytes: 0, done: 0, words: '' };
+// What `plain` is with its mesh finished so; one that nobody has asked for is missing and has
+// no format of its own yet.
+export function finishedAs(
+  exports: readonly ScanExport[],
+  plain: ScanExport,
+  finish: MeshFinish,
+): ScanExport {
+  const there = exports.find(
+    (one) => one.of_format === plain.of_format && isAlike(one.finish, finish),
+  );
+  return (
+    there ?? { ...plain, format: '', finish, state: 'missing', size_bytes: 0, done: 0, words: '' }
+  );
 }
 
 const pathOf = (scanId: string): string => `${scanPath(scanId)}/exports`;
@@ -64,17 +82,31 @@ export async function fetchExports(scanId: string, token: string): Promise<ScanE
 }
 
 // As it is now: queued, running, or ready already.
-export async function requestExport(scanId: string, format: string, token: string, finish: MeshFinish = asItIs): Promise<ScanExport> {
+export async function requestExport(
+  scanId: string,
+  format: string,
+  token: string,
+  finish: MeshFinish = asItIs,
+): Promise<ScanExport> {
   const body = JSON.stringify(isAlike(finish, asItIs) ? { format } : { format, ...finish });
-  const response = await request(pathOf(scanId), token, { limit_ms, method: 'POST', headers: jsonType, body });
+  const response = await request(pathOf(scanId), token, {
+    limit_ms,
+    method: 'POST',
+    headers: jsonType,
+    body,
+  });
   const json: unknown = await response.json();
   if (!isRecord(json)) throw new ApiError(t.theServersAnswerCannotBeRead, false);
   return exportOf(json);
 }
 
-// Stops it where it is being made. Exports of the scan with options count against a limit of the server until they are removed.
+// Stops it where it is being made. Exports of the scan with options count against a limit of the
+// server until they are removed.
 export async function removeExport(scanId: string, format: string, token: string): Promise<void> {
-  await request(`${pathOf(scanId)}/${encodeURIComponent(format)}`, token, { limit_ms, method: 'DELETE' });
+  await request(`${pathOf(scanId)}/${encodeURIComponent(format)}`, token, {
+    limit_ms,
+    method: 'DELETE',
+  });
 }
 
 // `progress` is told the bytes that have come.

@@ -1,4 +1,5 @@
-// What the camera of a scan that has ended has sent: the list of its frames, the images of one, and where it was.
+// What the camera of a scan that has ended has sent: the list of its frames, the images
+// of one, and where it was.
 import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, scanPath } from './api';
 import type { Pose } from './events';
@@ -13,7 +14,8 @@ export type FrameStatus = (typeof statuses)[number];
 export interface FrameList {
   readonly timestamps_s: readonly (number | null)[]; // null: there is no image
   readonly statuses: readonly FrameStatus[];
-  readonly reasons: readonly string[]; // why it was weak or lost, in the server's words; empty: older servers have kept none
+  // Why it was weak or lost, in the server's words; older servers have kept none, which is empty.
+  readonly reasons: readonly string[];
 }
 
 export interface DepthRange {
@@ -28,17 +30,33 @@ export interface DepthImage {
   readonly valid_percent: number | null; // of the pixels that have depth
 }
 
-export async function fetchFrames(scanId: string, token: string, signal: AbortSignal): Promise<FrameList> {
-  const response = await request(`${scanPath(scanId)}/frames`, token, { limit_ms: list_ms, signal });
+export async function fetchFrames(
+  scanId: string,
+  token: string,
+  signal: AbortSignal,
+): Promise<FrameList> {
+  const response = await request(`${scanPath(scanId)}/frames`, token, {
+    limit_ms: list_ms,
+    signal,
+  });
   return parseFrames(await response.json());
 }
 
-export async function fetchColor(scanId: string, token: string, frame: number, signal: AbortSignal): Promise<Blob> {
-  const response = await request(`${scanPath(scanId)}/frames/color/${frame}`, token, { limit_ms: image_ms, signal });
+export async function fetchColor(
+  scanId: string,
+  token: string,
+  frame: number,
+  signal: AbortSignal,
+): Promise<Blob> {
+  const response = await request(`${scanPath(scanId)}/frames/color/${frame}`, token, {
+    limit_ms: image_ms,
+    signal,
+  });
   return response.blob();
 }
 
-// How far the viewers of a running scan are behind, by the server's clock, told with a colour image; null: not told.
+// How far the viewers of a running scan are behind, by the server's clock, told with a
+// colour image; null: not told.
 export interface ServerDelays {
   readonly frameAge_ms: number | null; // since that frame arrived, when the answer was made
   readonly points_ms: number | null; // from the arrival of a frame to the points that show it first
@@ -52,12 +70,24 @@ export interface LiveColor extends ServerDelays {
 }
 
 // Null: it is not on the server's disk yet.
-export async function fetchLiveColor(scanId: string, token: string, frame: number, signal: AbortSignal): Promise<LiveColor | null> {
-  const response = await request(`${scanPath(scanId)}/frames/color/${frame}`, token, { limit_ms: image_ms, signal });
+export async function fetchLiveColor(
+  scanId: string,
+  token: string,
+  frame: number,
+  signal: AbortSignal,
+): Promise<LiveColor | null> {
+  const response = await request(`${scanPath(scanId)}/frames/color/${frame}`, token, {
+    limit_ms: image_ms,
+    signal,
+  });
   const answered_ms = performance.now();
   if (response.status === 204) return null;
   const delay = (name: string): number | null => delayOf(response.headers.get(name));
-  const delays = { frameAge_ms: delay('Frame-Age-Ms'), points_ms: delay('Points-Delay-Ms'), surface_ms: delay('Surface-Delay-Ms') };
+  const delays = {
+    frameAge_ms: delay('Frame-Age-Ms'),
+    points_ms: delay('Points-Delay-Ms'),
+    surface_ms: delay('Surface-Delay-Ms'),
+  };
   return { image: await response.blob(), answered_ms, ...delays };
 }
 
@@ -75,22 +105,41 @@ export async function fetchDepth(
   signal: AbortSignal,
 ): Promise<DepthImage> {
   const query = range ? `?from_mm=${range.from_mm}&to_mm=${range.to_mm}` : '';
-  const response = await request(`${scanPath(scanId)}/frames/depth/${frame}${query}`, token, { limit_ms: image_ms, signal });
+  const response = await request(`${scanPath(scanId)}/frames/depth/${frame}${query}`, token, {
+    limit_ms: image_ms,
+    signal,
+  });
   const shown = parseRange(response.headers.get('Depth-Shown-Mm'));
   const measured = parseRange(response.headers.get('Depth-Measured-Mm'));
   const percent = response.headers.get('Depth-Valid-Percent');
-  return { image: await response.blob(), shown, measured, valid_percent: percent === null ? null : numberOf(Number(percent)) };
+  return {
+    image: await response.blob(),
+    shown,
+    measured,
+    valid_percent: percent === null ? null : numberOf(Number(percent)),
+  };
 }
 
 // trajectory.txt: a line for each frame that was used.
-export async function fetchPath(scanId: string, token: string, signal: AbortSignal): Promise<string> {
-  const response = await request(`${scanPath(scanId)}/trajectory.txt`, token, { limit_ms: list_ms, signal });
+export async function fetchPath(
+  scanId: string,
+  token: string,
+  signal: AbortSignal,
+): Promise<string> {
+  const response = await request(`${scanPath(scanId)}/trajectory.txt`, token, {
+    limit_ms: list_ms,
+    signal,
+  });
   return response.text();
 }
 
 export function parseFrames(json: unknown): FrameList {
-  const times = isRecord(json) && Array.isArray(json['timestamps_s']) ? json['timestamps_s'].map(numberOf) : null;
-  const runs = isRecord(json) && Array.isArray(json['statuses']) ? json['statuses'].filter(isRecord) : null;
+  const times =
+    isRecord(json) && Array.isArray(json['timestamps_s'])
+      ? json['timestamps_s'].map(numberOf)
+      : null;
+  const runs =
+    isRecord(json) && Array.isArray(json['statuses']) ? json['statuses'].filter(isRecord) : null;
   if (!times || !runs) throw new ApiError(t.theServersListOfFramesCannot, false);
   const known: FrameStatus[] = [];
   for (const run of runs) {
@@ -104,7 +153,8 @@ export function parseFrames(json: unknown): FrameList {
 
 function reasonsIn(json: unknown, frames: number): string[] {
   const reasons = new Array<string>(frames).fill('');
-  const told = isRecord(json) && Array.isArray(json['reasons']) ? json['reasons'].filter(isRecord) : [];
+  const told =
+    isRecord(json) && Array.isArray(json['reasons']) ? json['reasons'].filter(isRecord) : [];
   for (const { reason, first, frames: counts } of told) {
     if (typeof reason !== 'string' || !Array.isArray(first) || !Array.isArray(counts)) continue;
     first.map(numberOf).forEach((from, i) => {
@@ -120,7 +170,8 @@ export function parseRange(header: string | null): DepthRange {
   return { from_mm: Number(from ?? 0), to_mm: Number(to ?? 0) };
 }
 
-// Where the camera was in each of these frames, by their times; null: nobody knows. `path` is in TUM's format, in the same order.
+// Where the camera was in each of these frames, by their times; null: nobody knows. `path` is in
+// TUM's format, in the same order.
 export function posesOf(path: string, timestamps_s: readonly (number | null)[]): (Pose | null)[] {
   const same_s = 1e-6; // the file has so many digits
   const lines = path.split('\n').filter((line) => line !== '' && !line.startsWith('#'));
@@ -140,6 +191,8 @@ export function posesOf(path: string, timestamps_s: readonly (number | null)[]):
       number,
       number,
     ];
-    return [tx, ty, tz, qx, qy, qz, qw].every(Number.isFinite) ? { translation: [tx, ty, tz], rotation: [qx, qy, qz, qw] } : null;
+    return [tx, ty, tz, qx, qy, qz, qw].every(Number.isFinite)
+      ? { translation: [tx, ty, tz], rotation: [qx, qy, qz, qw] }
+      : null;
   });
 }

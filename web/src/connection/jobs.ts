@@ -60,7 +60,11 @@ function jobOf(row: Record<string, unknown>): Job {
 }
 
 function stateOf(value: unknown): JobState {
-  return value === 'queued' || value === 'running' || value === 'finished' || value === 'failed' || value === 'cancelled'
+  return value === 'queued' ||
+    value === 'running' ||
+    value === 'finished' ||
+    value === 'failed' ||
+    value === 'cancelled'
     ? value
     : 'unknown';
 }

@@ -1,4 +1,5 @@
-// The page's end of the worker: starts it, passes its events on, and starts another one when it fails or no longer answers.
+// The page's end of the worker: starts it, passes its events on, and starts another one when it
+// fails or no longer answers.
 import { backoffDelay_ms } from './backoff';
 import type { FromWorker, ScanEvent, ToWorker, Watch } from './events';
 
@@ -58,7 +59,13 @@ export class ScanLink {
       event.preventDefault();
       this.restart(event.message || 'the decoder could not be started');
     };
-    this.post({ kind: 'open', url: socketUrl(location), scanId: this.target.scanId, token: this.target.token, watch: this.wanted });
+    this.post({
+      kind: 'open',
+      url: socketUrl(location),
+      scanId: this.target.scanId,
+      token: this.target.token,
+      watch: this.wanted,
+    });
     this.timer = setTimeout(() => this.ask(), askEvery_ms);
   }
 

@@ -9,7 +9,15 @@ const normals = [
   [0, 0, -1],
   [0, 0, -1],
 ];
-const one = { id: 'a', name: 'Door', kind: 'distance', points, normals, words: '1.500 m ± 0.002 m (95 %)', value: 1.5 };
+const one = {
+  id: 'a',
+  name: 'Door',
+  kind: 'distance',
+  points,
+  normals,
+  words: '1.500 m ± 0.002 m (95 %)',
+  value: 1.5,
+};
 
 test('what the server has measured is read', () => {
   expect(parseMeasured(one)).toEqual({ kind: 'distance', points, normals, words: one.words });
@@ -34,6 +42,8 @@ test('what the server has measured is read', () => {
 
 test('what is no measurement is left out of the list', () => {
   const { value: _, ...kept } = one;
-  expect(parseMeasurements({ measurements: [one, null, { ...one, id: '' }, { ...one, points: 'x' }] })).toEqual([kept]);
+  expect(
+    parseMeasurements({ measurements: [one, null, { ...one, id: '' }, { ...one, points: 'x' }] }),
+  ).toEqual([kept]);
   expect(() => parseMeasurements({})).toThrow();
 });

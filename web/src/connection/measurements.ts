@@ -1,13 +1,16 @@
-// What is measured in a scan that has ended: the server fits the surface, says what lies between places, and keeps what is worth it.
+// What is measured in a scan that has ended: the server fits the surface, says what lies between
+// places, and keeps what is worth it.
 import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, textOf, scanPath } from './api';
 
 const limit_ms = 30_000; // it reads all of a large scan
 
-export const measureKinds = ['distance', 'plane', 'height', 'angle', 'area'] as const; // as the server names them
+// As the server names them.
+export const measureKinds = ['distance', 'plane', 'height', 'angle', 'area'] as const;
 export type MeasureKind = (typeof measureKinds)[number];
 
-export type Place = readonly [number, number, number]; // in the world of the scan, metres; or a direction in it
+// In the world of the scan, in metres; or a direction in it.
+export type Place = readonly [number, number, number];
 
 export interface Asked {
   readonly kind: MeasureKind;
@@ -16,7 +19,8 @@ export interface Asked {
 }
 
 export interface Measured extends Asked {
-  readonly normals: readonly Place[]; // of the surface at each point; none of what was kept by servers that had none
+  // Of the surface at each point; empty for what was kept by servers that had no normals.
+  readonly normals: readonly Place[];
   readonly words: string; // "1.234 m ± 0.003 m (95 %)"
 }
 
@@ -39,7 +43,12 @@ export async function measure(scanId: string, token: string, asked: Asked): Prom
 }
 
 // Measured again there, and kept with the scan.
-export async function keepMeasurement(scanId: string, token: string, name: string, asked: Asked): Promise<KeptMeasurement> {
+export async function keepMeasurement(
+  scanId: string,
+  token: string,
+  name: string,
+  asked: Asked,
+): Promise<KeptMeasurement> {
   const response = await request(`${scanPath(scanId)}/measurements`, token, {
     limit_ms,
     method: 'POST',
@@ -55,7 +64,10 @@ export async function fetchMeasurements(scanId: string, token: string): Promise<
 }
 
 export async function removeMeasurement(scanId: string, token: string, id: string): Promise<void> {
-  await request(`${scanPath(scanId)}/measurements/${encodeURIComponent(id)}`, token, { limit_ms, method: 'DELETE' });
+  await request(`${scanPath(scanId)}/measurements/${encodeURIComponent(id)}`, token, {
+    limit_ms,
+    method: 'DELETE',
+  });
 }
 
 export async function fetchMeasurementsCsv(scanId: string, token: string): Promise<Blob> {
@@ -71,7 +83,8 @@ export function parseMeasured(json: unknown): Measured {
   const normals = placesOf(json['normals']);
   const up = json['up'] === undefined ? undefined : placeOf(json['up']);
   const words = textOf(json['words']);
-  if (!kind || !points || points.length < 2 || !normals || up === null || words === '') throw unreadable;
+  if (!kind || !points || points.length < 2 || !normals || up === null || words === '')
+    throw unreadable;
   if ((kind === 'plane' || kind === 'angle') && normals.length !== points.length) throw unreadable;
   if ((kind === 'height') !== (up !== undefined)) throw unreadable;
   return { kind, points, normals, words, ...(up ? { up } : {}) };

@@ -6,14 +6,19 @@ import { DracoMeshDecoder } from './draco_mesh';
 import { decodePiece } from './mesh_piece';
 
 const here = new URL('.', import.meta.url).pathname;
-const wasm = readFileSync(`${here}/../../node_modules/three/examples/jsm/libs/draco/draco_decoder.wasm`);
-// tests/core/output/mesh_chunk_test.cpp writes it: a strip of 40 triangles, red by its place along x.
+const wasm = readFileSync(
+  `${here}/../../node_modules/three/examples/jsm/libs/draco/draco_decoder.wasm`,
+);
+// tests/core/output/mesh_chunk_test.cpp writes it: a strip of 40 triangles,
+// red by its place along x.
 const strip = new Uint8Array(readFileSync(`${here}/testdata/mesh_piece.drc`));
 // The same, with a confidence of the same number as its red.
 const seen = new Uint8Array(readFileSync(`${here}/testdata/mesh_piece_with_confidence.drc`));
 
 const decoder = (): DracoMeshDecoder =>
-  new DracoMeshDecoder(wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.byteLength) as ArrayBuffer);
+  new DracoMeshDecoder(
+    wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.byteLength) as ArrayBuffer,
+  );
 
 describe('decodePiece', () => {
   it('reads what the server wrote', async () => {
@@ -27,11 +32,18 @@ describe('decodePiece', () => {
     }
   });
 
-  it('reads how well each place was seen, where the server says it, and the rest alike', async () => {
-    const [older, newer] = [await decodePiece(decoder(), strip, 40), await decodePiece(decoder(), seen, 40)];
+  it('reads how well each place was seen, where the server says so', async () => {
+    const [older, newer] = [
+      await decodePiece(decoder(), strip, 40),
+      await decodePiece(decoder(), seen, 40),
+    ];
     expect([older.hasConfidences, newer.hasConfidences]).toEqual([false, true]);
     for (let i = 0; i < 42; ++i) expect(newer.colors[4 * i + 3]).toBe(8 * newer.colors[4 * i]!);
-    const blind = { ...newer, hasConfidences: false, colors: newer.colors.map((value, i) => (i % 4 === 3 ? 255 : value)) };
+    const blind = {
+      ...newer,
+      hasConfidences: false,
+      colors: newer.colors.map((value, i) => (i % 4 === 3 ? 255 : value)),
+    };
     expect(blind).toEqual(older);
   });
 

@@ -11,9 +11,14 @@ const wanted: readonly WantedAttribute[] = [
 ];
 
 // Rejects with a DracoError with a message.
-export async function decodePiece(decoder: DracoMeshDecoder, draco: Uint8Array, declaredTriangles: number): Promise<MeshPiece> {
+export async function decodePiece(
+  decoder: DracoMeshDecoder,
+  draco: Uint8Array,
+  declaredTriangles: number,
+): Promise<MeshPiece> {
   const { index, attributes } = await decoder.decode(draco, wanted);
-  if (index.length !== 3 * declaredTriangles) throw new DracoError(`${index.length / 3} triangles decoded, ${declaredTriangles} declared`);
+  if (index.length !== 3 * declaredTriangles)
+    throw new DracoError(`${index.length / 3} triangles decoded, ${declaredTriangles} declared`);
   const [position, normal, color, confidence] = attributes;
   if (attributes.some((attribute) => attribute.itemSize !== (attribute === confidence ? 1 : 3)))
     throw new DracoError('an attribute of a piece of mesh has another number of components');
@@ -23,11 +28,19 @@ export async function decodePiece(decoder: DracoMeshDecoder, draco: Uint8Array, 
   const colors = new Uint8Array(4 * vertices).fill(255);
   for (let i = 0; i < vertices; ++i) {
     for (let axis = 0; axis < 3; ++axis) {
-      if (!Number.isFinite(positions_m[3 * i + axis]!)) throw new DracoError('a position is not finite');
+      if (!Number.isFinite(positions_m[3 * i + axis]!))
+        throw new DracoError('a position is not finite');
       normals[4 * i + axis] = Math.round(127 * normal!.array[3 * i + axis]!);
       colors[4 * i + axis] = color!.array[3 * i + axis]!;
     }
     if (confidence) colors[4 * i + 3] = confidence.array[i]!;
   }
-  return { triangles: declaredTriangles, index, positions_m, normals, colors, hasConfidences: confidence !== undefined };
+  return {
+    triangles: declaredTriangles,
+    index,
+    positions_m,
+    normals,
+    colors,
+    hasConfidences: confidence !== undefined,
+  };
 }

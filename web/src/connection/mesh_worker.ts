@@ -11,14 +11,17 @@ export interface MeshOrder {
   readonly wanted: readonly WantedAttribute[];
 }
 
-export type MeshAnswer = { readonly id: number; readonly mesh: DecodedMesh } | { readonly id: number; readonly message: string };
+export type MeshAnswer =
+  | { readonly id: number; readonly mesh: DecodedMesh }
+  | { readonly id: number; readonly message: string };
 
 let decoder: Promise<DracoMeshDecoder> | null = null;
 let last: Promise<void> = Promise.resolve();
 
 async function load(): Promise<DracoMeshDecoder> {
   const response = await fetch(wasmUrl, { signal: AbortSignal.timeout(30_000) });
-  if (!response.ok) throw new Error(`the Draco decoder could not be loaded: HTTP ${response.status}`);
+  if (!response.ok)
+    throw new Error(`the Draco decoder could not be loaded: HTTP ${response.status}`);
   return new DracoMeshDecoder(await response.arrayBuffer());
 }
 

@@ -25,13 +25,28 @@ function answering(status: number, body: unknown): { path: string; init: Request
 }
 
 test('a note is read with its view, and without one', () => {
-  expect(note).toMatchObject({ id: 'a', position_m: [1, 2, 3], text: 'a crack', version: 2, view: { target_m: [0, 0, 1] } });
+  expect(note).toMatchObject({
+    id: 'a',
+    position_m: [1, 2, 3],
+    text: 'a crack',
+    version: 2,
+    view: { target_m: [0, 0, 1] },
+  });
   expect(note.changed?.getTime()).toBe(Date.parse(row.changed_at));
-  expect(parseNote({ ...row, view: null, changed_at: 'once' })).toMatchObject({ view: null, changed: null });
+  expect(parseNote({ ...row, view: null, changed_at: 'once' })).toMatchObject({
+    view: null,
+    changed: null,
+  });
 });
 
 test('rows that are no notes are left out', () => {
-  const wrong = [{ ...row, id: 7 }, { ...row, text: '' }, { ...row, version: '2' }, { ...row, position_m: [1, 2] }, null];
+  const wrong = [
+    { ...row, id: 7 },
+    { ...row, text: '' },
+    { ...row, version: '2' },
+    { ...row, position_m: [1, 2] },
+    null,
+  ];
   expect(parseNotes({ notes: [...wrong, row] })).toHaveLength(1);
   expect(() => parseNotes({})).toThrow('cannot be read');
 });
@@ -39,16 +54,28 @@ test('rows that are no notes are left out', () => {
 test('a new note is sent without a view if there is none', async () => {
   const asked = answering(201, row);
   await createNote('s', 't', { position_m: [1, 2, 3], view: null, text: 'a crack' });
-  expect(JSON.parse(asked[0]!.init.body as string)).toEqual({ position_m: [1, 2, 3], text: 'a crack' });
+  expect(JSON.parse(asked[0]!.init.body as string)).toEqual({
+    position_m: [1, 2, 3],
+    text: 'a crack',
+  });
 });
 
 test('a change names its version, and a conflict comes with the note as it is now', async () => {
   const asked = answering(200, { ...row, version: 3 });
-  expect(await changeNote('s', 't', note, 'repaired')).toMatchObject({ kind: 'done', note: { version: 3 } });
+  expect(await changeNote('s', 't', note, 'repaired')).toMatchObject({
+    kind: 'done',
+    note: { version: 3 },
+  });
   expect(asked[0]!.path).toBe('api/v1/scans/s/notes/a');
   expect(JSON.parse(asked[0]!.init.body as string)).toEqual({ text: 'repaired', version: 2 });
-  answering(409, { error: { code: 'busy', message: 'changed' }, note: { ...row, text: 'theirs', version: 3 } });
-  expect(await changeNote('s', 't', note, 'repaired')).toMatchObject({ kind: 'conflict', now: { text: 'theirs', version: 3 } });
+  answering(409, {
+    error: { code: 'busy', message: 'changed' },
+    note: { ...row, text: 'theirs', version: 3 },
+  });
+  expect(await changeNote('s', 't', note, 'repaired')).toMatchObject({
+    kind: 'conflict',
+    now: { text: 'theirs', version: 3 },
+  });
   answering(404, { error: { code: 'not_found', message: 'no note' } });
   expect(await changeNote('s', 't', note, 'repaired')).toEqual({ kind: 'gone' });
   answering(403, {});

@@ -1,4 +1,5 @@
-// What people have written at places of a scan that has ended. A change names the version that it was made of: nobody's text is lost.
+// What people have written at places of a scan that has ended. A change names the version that it
+// was made of: nobody's text is lost.
 import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, refusalOf, request, scanPath, textOf } from './api';
 import { placeOf, type Place } from './measurements';
@@ -29,12 +30,13 @@ export interface NewNote {
 // What came of changing or removing a version of a note.
 export type NoteChange =
   | { readonly kind: 'done'; readonly note: Note }
-  | { readonly kind: 'conflict'; readonly now: Note } // it has another version by now, and stays as it is
+  | { readonly kind: 'conflict'; readonly now: Note } // it has another version by now
   | { readonly kind: 'gone' }; // somebody has removed it
 
 const headers = { 'Content-Type': 'application/json' };
 const unreadable = (): ApiError => new ApiError(t.theServersAnswerCannotBeRead, false);
-const pathOf = (scanId: string, id: string): string => `${scanPath(scanId)}/notes/${encodeURIComponent(id)}`;
+const pathOf = (scanId: string, id: string): string =>
+  `${scanPath(scanId)}/notes/${encodeURIComponent(id)}`;
 
 // Oldest first.
 export async function fetchNotes(scanId: string, token: string): Promise<Note[]> {
@@ -42,23 +44,53 @@ export async function fetchNotes(scanId: string, token: string): Promise<Note[]>
   return parseNotes(await response.json());
 }
 
-export async function createNote(scanId: string, token: string, { position_m, view, text }: NewNote): Promise<Note> {
+export async function createNote(
+  scanId: string,
+  token: string,
+  { position_m, view, text }: NewNote,
+): Promise<Note> {
   const body = JSON.stringify({ position_m, text, ...(view ? { view } : {}) });
-  const response = await request(`${scanPath(scanId)}/notes`, token, { limit_ms, method: 'POST', headers, body });
+  const response = await request(`${scanPath(scanId)}/notes`, token, {
+    limit_ms,
+    method: 'POST',
+    headers,
+    body,
+  });
   return parseNote(await response.json());
 }
 
 // `note`: as it was read.
-export async function changeNote(scanId: string, token: string, note: Note, text: string): Promise<NoteChange> {
+export async function changeNote(
+  scanId: string,
+  token: string,
+  note: Note,
+  text: string,
+): Promise<NoteChange> {
   const body = JSON.stringify({ text, version: note.version });
-  const response = await request(pathOf(scanId, note.id), token, { limit_ms, method: 'PATCH', headers, body, expected: [404, 409] });
+  const response = await request(pathOf(scanId, note.id), token, {
+    limit_ms,
+    method: 'PATCH',
+    headers,
+    body,
+    expected: [404, 409],
+  });
   return response.ok ? { kind: 'done', note: parseNote(await response.json()) } : notDone(response);
 }
 
 // `leaving`: the page goes, and the request must not go with it.
-export async function removeNote(scanId: string, token: string, note: Note, leaving = false): Promise<NoteChange> {
+export async function removeNote(
+  scanId: string,
+  token: string,
+  note: Note,
+  leaving = false,
+): Promise<NoteChange> {
   const path = `${pathOf(scanId, note.id)}?version=${note.version}`;
-  const response = await request(path, token, { limit_ms, method: 'DELETE', keepalive: leaving, expected: [404, 409] });
+  const response = await request(path, token, {
+    limit_ms,
+    method: 'DELETE',
+    keepalive: leaving,
+    expected: [404, 409],
+  });
   return response.ok ? { kind: 'done', note } : notDone(response);
 }
 

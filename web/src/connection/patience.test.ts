@@ -33,11 +33,14 @@ test('others are not, and none when nobody waits any more', async () => {
     await expect(patiently(once.ask, new AbortController().signal, now)).rejects.toBe(error);
     expect(once.count.asked).toBe(1);
   }
-  await expect(patiently(asked(passing, 'here').ask, AbortSignal.abort(), now)).rejects.toBe(passing);
+  await expect(patiently(asked(passing, 'here').ask, AbortSignal.abort(), now)).rejects.toBe(
+    passing,
+  );
 });
 
 test('only what the server does not have is missing', async () => {
   expect(await orMissing(asked('here').ask())).toBe('here');
   expect(await orMissing(asked(missing).ask())).toBeNull();
-  for (const error of [passing, refused]) await expect(orMissing(asked(error).ask())).rejects.toBe(error);
+  for (const error of [passing, refused])
+    await expect(orMissing(asked(error).ask())).rejects.toBe(error);
 });

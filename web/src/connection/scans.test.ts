@@ -9,9 +9,22 @@ test('what a token may do is read', () => {
     shared: false,
     embedding: true,
   });
-  expect(parseAccess({ scopes: ['view'], scan: 'abc' })).toEqual({ view: true, scan: false, admin: false, shared: true, embedding: false });
-  expect(parseAccess({ scopes: ['scan', 'fly'] })).toEqual({ view: false, scan: true, admin: false, shared: false, embedding: false });
-  for (const wrong of [null, 'x', {}, { scopes: 'view' }]) expect(() => parseAccess(wrong)).toThrow();
+  expect(parseAccess({ scopes: ['view'], scan: 'abc' })).toEqual({
+    view: true,
+    scan: false,
+    admin: false,
+    shared: true,
+    embedding: false,
+  });
+  expect(parseAccess({ scopes: ['scan', 'fly'] })).toEqual({
+    view: false,
+    scan: true,
+    admin: false,
+    shared: false,
+    embedding: false,
+  });
+  for (const wrong of [null, 'x', {}, { scopes: 'view' }])
+    expect(() => parseAccess(wrong)).toThrow();
 });
 
 test('what a report says is read, and an older one or an import says nothing', () => {
@@ -46,5 +59,6 @@ test('what a report says is read, and an older one or an import says nothing', (
     mapping: {},
     meanFrame_ms: null,
   });
-  for (const odd of [null, 'x', { surfels: 'many', mapping: 3 }]) expect(parseReport(odd)).toEqual(nothing);
+  for (const odd of [null, 'x', { surfels: 'many', mapping: 3 }])
+    expect(parseReport(odd)).toEqual(nothing);
 });

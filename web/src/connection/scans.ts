@@ -1,4 +1,5 @@
-// What a person changes about scans, what they may change, and what the report says of one that has ended.
+// What a person changes about scans, what they may change, and what the report
+// says of one that has ended.
 import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, scanPath, textOf } from './api';
 
@@ -12,7 +13,13 @@ export interface Access {
   readonly embedding: boolean; // pages of other sites may show scans
 }
 
-export const noAccess: Access = { view: false, scan: false, admin: false, shared: false, embedding: false };
+export const noAccess: Access = {
+  view: false,
+  scan: false,
+  admin: false,
+  shared: false,
+  embedding: false,
+};
 
 const known = new Map<string, Promise<Access>>();
 
@@ -33,9 +40,19 @@ export function fetchAccess(token: string): Promise<Access> {
 export function parseAccess(json: unknown): Access {
   const scopes = isRecord(json) && Array.isArray(json['scopes']) ? json['scopes'] : null;
   if (!scopes) throw new ApiError(t.theServersAnswerCannotBeRead, false);
-  const [view, scan, admin] = ['view', 'scan', 'admin'].map((scope) => scopes.includes(scope)) as [boolean, boolean, boolean];
+  const [view, scan, admin] = ['view', 'scan', 'admin'].map((scope) => scopes.includes(scope)) as [
+    boolean,
+    boolean,
+    boolean,
+  ];
   const { scan: sharedScan, embedding } = json as Record<string, unknown>;
-  return { view, scan, admin, shared: typeof sharedScan === 'string', embedding: embedding === true };
+  return {
+    view,
+    scan,
+    admin,
+    shared: typeof sharedScan === 'string',
+    embedding: embedding === true,
+  };
 }
 
 export interface Labels {
@@ -45,7 +62,12 @@ export interface Labels {
 
 export async function labelScan(scanId: string, labels: Labels, token: string): Promise<void> {
   const headers = { 'Content-Type': 'application/json' };
-  await request(scanPath(scanId), token, { limit_ms, method: 'PATCH', headers, body: JSON.stringify(labels) });
+  await request(scanPath(scanId), token, {
+    limit_ms,
+    method: 'PATCH',
+    headers,
+    body: JSON.stringify(labels),
+  });
 }
 
 // It ends as interrupted, with what it has.
@@ -55,7 +77,10 @@ export async function stopScan(scanId: string, token: string): Promise<void> {
 
 // Asks the camera of a running scan to pause, or to go on, which it tells those who watch.
 export async function pauseScan(scanId: string, pause: boolean, token: string): Promise<void> {
-  await request(`${scanPath(scanId)}/${pause ? 'pause' : 'unpause'}`, token, { limit_ms, method: 'POST' });
+  await request(`${scanPath(scanId)}/${pause ? 'pause' : 'unpause'}`, token, {
+    limit_ms,
+    method: 'POST',
+  });
 }
 
 // `leaving`: the page goes, and the request must not go with it.
@@ -100,7 +125,9 @@ export function parseReport(json: unknown): Report {
     expectedPathError_m: numberOf(expected['path_m']),
     calibrationDoubt: textOf(report['calibration_doubt']),
     cameraCorrection: textOf(report['camera_correction']),
-    mapping: Object.fromEntries(mapping.filter((entry): entry is [string, number] => numberOf(entry[1]) !== null)),
+    mapping: Object.fromEntries(
+      mapping.filter((entry): entry is [string, number] => numberOf(entry[1]) !== null),
+    ),
     meanFrame_ms: numberOf(report['mean_frame_ms']),
     device: textOf(report['device']),
   };

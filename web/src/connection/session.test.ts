@@ -1,6 +1,11 @@
 import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
-import { ClientMessageSchema, ScanPhase, ServerMessageSchema, type ClientMessage } from '../gen/scan_pb';
+import {
+  ClientMessageSchema,
+  ScanPhase,
+  ServerMessageSchema,
+  type ClientMessage,
+} from '../gen/scan_pb';
 import { DracoError } from './draco_instance';
 import type { ChunkPoints, MeshPiece, ScanEvent } from './events';
 import { pingEvery_ms, ScanSession, silenceLimit_ms, subprotocol, type Socket } from './session';
@@ -29,7 +34,12 @@ class HeldSocket implements Socket {
   receives(body: Body): void {
     const bytes = toBinary(ServerMessageSchema, create(ServerMessageSchema, { body }));
     this.receivedBytes += bytes.length;
-    this.onmessage!.call(this as never, { data: bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length) } as MessageEvent);
+    this.onmessage!.call(
+      this as never,
+      {
+        data: bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length),
+      } as MessageEvent,
+    );
   }
   isCut(code = 1006, reason = ''): void {
     this.onclose?.call(this as never, { code, reason } as CloseEvent);
@@ -62,11 +72,17 @@ const onePiece: MeshPiece = {
 class World {
   readonly sockets: HeldSocket[] = [];
   readonly events: ScanEvent[] = [];
-  readonly decodes: { resolve: (points: ChunkPoints) => void; reject: (error: Error) => void }[] = [];
+  readonly decodes: { resolve: (points: ChunkPoints) => void; reject: (error: Error) => void }[] =
+    [];
   private readonly timers = new Set<{ at_ms: number; action: () => void }>();
   private time_ms = 0;
   readonly session = new ScanSession(
-    { url: 'ws://host/api/v1/ws', scanId: 'scan1', token: 'secret', watch: { points: false, mesh: true } },
+    {
+      url: 'ws://host/api/v1/ws',
+      scanId: 'scan1',
+      token: 'secret',
+      watch: { points: false, mesh: true },
+    },
     {
       openSocket: (_, protocol) => {
         expect(protocol).toBe(subprotocol);
@@ -74,7 +90,8 @@ class World {
         return this.socket;
       },
       decodeChunk: () => new Promise((resolve, reject) => this.decodes.push({ resolve, reject })),
-      decodePiece: (_, triangleCount) => (triangleCount === 2 ? Promise.reject(new DracoError('no')) : Promise.resolve(onePiece)),
+      decodePiece: (_, triangleCount) =>
+        triangleCount === 2 ? Promise.reject(new DracoError('no')) : Promise.resolve(onePiece),
       emit: (event) => this.events.push(event),
       after: (delay_ms, action) => {
         const timer = { at_ms: this.time_ms + delay_ms, action };
@@ -96,7 +113,9 @@ class World {
   async passes(duration_ms: number): Promise<void> {
     const end_ms = this.time_ms + duration_ms;
     for (;;) {
-      const due = [...this.timers].filter((timer) => timer.at_ms <= end_ms).sort((a, b) => a.at_ms - b.at_ms)[0];
+      const due = [...this.timers]
+        .filter((timer) => timer.at_ms <= end_ms)
+        .sort((a, b) => a.at_ms - b.at_ms)[0];
       if (!due) break;
       this.timers.delete(due);
       this.time_ms = due.at_ms;
@@ -119,7 +138,10 @@ async function welcomed(): Promise<World> {
   return world;
 }
 
-const chunk = (version: bigint): Body => ({ case: 'chunk', value: { key: {}, version, pointCount: 1, draco: new Uint8Array(100) } });
+const chunk = (version: bigint): Body => ({
+  case: 'chunk',
+  value: { key: {}, version, pointCount: 1, draco: new Uint8Array(100) },
+});
 
 describe('ScanSession', () => {
   it('says what it wants to see, again on every connection, and when that changes', async () => {
@@ -127,18 +149,29 @@ describe('ScanSession', () => {
     world.session.start();
     world.socket.opens();
     const hello = world.socket.sent[0]!;
-    expect(hello.case === 'hello' && hello.value.role.case === 'viewScan' && hello.value.role.value.watch).toMatchObject({
+    expect(
+      hello.case === 'hello' &&
+        hello.value.role.case === 'viewScan' &&
+        hello.value.role.value.watch,
+    ).toMatchObject({
       points: false,
       mesh: true,
     });
     world.session.watch({ points: true, mesh: false });
-    expect(world.socket.sent[1]).toMatchObject({ case: 'watch', value: { points: true, mesh: false } });
+    expect(world.socket.sent[1]).toMatchObject({
+      case: 'watch',
+      value: { points: true, mesh: false },
+    });
     world.socket.isCut();
     await settled();
     await world.passes(60_000);
     world.socket.opens();
     const again = world.socket.sent[0]!;
-    expect(again.case === 'hello' && again.value.role.case === 'viewScan' && again.value.role.value.watch).toMatchObject({
+    expect(
+      again.case === 'hello' &&
+        again.value.role.case === 'viewScan' &&
+        again.value.role.value.watch,
+    ).toMatchObject({
       points: true,
       mesh: false,
     });
@@ -151,7 +184,13 @@ describe('ScanSession', () => {
     for (const triangleCount of [1, 2, 0]) {
       world.socket.receives({
         case: 'meshChunk',
-        value: { cube: { part: 0, x: triangleCount, y: 0, z: 0 }, version: 1n, submap: 4, triangleCount, draco: new Uint8Array(3) },
+        value: {
+          cube: { part: 0, x: triangleCount, y: 0, z: 0 },
+          version: 1n,
+          submap: 4,
+          triangleCount,
+          draco: new Uint8Array(3),
+        },
       });
     }
     await settled();
@@ -227,14 +266,18 @@ describe('ScanSession', () => {
     world.socket.receives({ case: 'welcome', value: {} });
     world.socket.isCut();
     await settled();
-    expect(world.events[world.events.length - 1]).toMatchObject({ kind: 'waiting', retryIn_ms: 250 });
+    expect(world.events[world.events.length - 1]).toMatchObject({
+      kind: 'waiting',
+      retryIn_ms: 250,
+    });
   });
 
   it.each([
     ['a refused token', () => {}, 4001],
     [
       'a scan that does not exist',
-      (socket: HeldSocket) => socket.receives({ case: 'error', value: { code: 'not_found', message: 'no such scan' } }),
+      (socket: HeldSocket) =>
+        socket.receives({ case: 'error', value: { code: 'not_found', message: 'no such scan' } }),
       1000,
     ],
   ])('does not ask again after %s', async (_, answer, code) => {
@@ -249,7 +292,7 @@ describe('ScanSession', () => {
     expect(world.kinds).toContain('closed');
   });
 
-  it('is done when a finished scan is complete, but comes back when the server is restarted', async () => {
+  it('is done when a finished scan is complete, but comes back after a restart', async () => {
     const world = await welcomed();
     world.socket.receives({ case: 'scanState', value: { phase: ScanPhase.FINISHED } });
     world.socket.receives({ case: 'snapshotEnd', value: {} });
@@ -264,7 +307,10 @@ describe('ScanSession', () => {
     world.socket.isCut(1000);
     await world.passes(120_000);
     expect(world.sockets).toHaveLength(2);
-    expect(world.events[world.events.length - 1]).toMatchObject({ kind: 'closed', code: 'complete' });
+    expect(world.events[world.events.length - 1]).toMatchObject({
+      kind: 'closed',
+      code: 'complete',
+    });
   });
 
   it('gives a silent server up, not one that answers', async () => {

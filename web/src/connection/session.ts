@@ -1,9 +1,19 @@
-// One scan watched over one WebSocket after another: hello, messages in order, acknowledgements after decoding, heartbeat, reconnection with
-// jittered backoff. Knows no DOM; sockets and time come in from outside so that tests can hold them.
+// One scan watched over one WebSocket after another: hello, messages in order, acknowledgements
+// after decoding, heartbeat, reconnection with jittered backoff. Knows no DOM; sockets and time
+// come in from outside so that tests can hold them.
 import { backoffDelay_ms } from './backoff';
 import { DracoError } from './draco_instance';
 import type { ChunkPoints, MeshPiece, ScanEvent, Watch } from './events';
-import { ackBytes, decode, helloBytes, pingBytes, watchBytes, WireError, type WireChunk, type WireMeshChunk } from './wire';
+import {
+  ackBytes,
+  decode,
+  helloBytes,
+  pingBytes,
+  watchBytes,
+  WireError,
+  type WireChunk,
+  type WireMeshChunk,
+} from './wire';
 
 export const subprotocol = 'hermite.v1';
 export const pingEvery_ms = 15_000;
@@ -19,7 +29,10 @@ const finalCloseCodes = new Map([
   [4004, 'not_found'],
 ]);
 
-export type Socket = Pick<WebSocket, 'send' | 'close' | 'binaryType' | 'onopen' | 'onmessage' | 'onclose'>;
+export type Socket = Pick<
+  WebSocket,
+  'send' | 'close' | 'binaryType' | 'onopen' | 'onmessage' | 'onclose'
+>;
 
 export interface SessionWorld {
   openSocket(url: string, protocol: string): Socket;
@@ -99,7 +112,8 @@ export class ScanSession {
     socket.onclose = (event: CloseEvent) => {
       connection.cancelHeartbeat();
       connection.open = false;
-      void connection.work.then(() => this.closed(connection, event.code, event.reason)); // what arrived before is shown first
+      // What arrived before is shown first.
+      void connection.work.then(() => this.closed(connection, event.code, event.reason));
     };
     this.scheduleHeartbeat(connection);
   }
@@ -121,7 +135,9 @@ export class ScanSession {
       return;
     }
     const came_ms = connection.heardAt_ms;
-    connection.work = connection.work.then(() => this.handle(connection, new Uint8Array(data), came_ms));
+    connection.work = connection.work.then(() =>
+      this.handle(connection, new Uint8Array(data), came_ms),
+    );
   }
 
   // One message after the other, never rejects.
@@ -130,8 +146,10 @@ export class ScanSession {
     try {
       const incoming = decode(bytes);
       if (incoming.kind === 'wireChunk') await this.handleChunk(connection, incoming, came_ms);
-      else if (incoming.kind === 'wireMeshChunk') await this.handleMeshChunk(connection, incoming, came_ms);
-      else if (incoming.kind !== 'pong' && incoming.kind !== 'unknown') this.handleEvent(connection, incoming);
+      else if (incoming.kind === 'wireMeshChunk')
+        await this.handleMeshChunk(connection, incoming, came_ms);
+      else if (incoming.kind !== 'pong' && incoming.kind !== 'unknown')
+        this.handleEvent(connection, incoming);
     } catch (error) {
       if (!(error instanceof WireError)) throw error;
       this.world.emit({ kind: 'serverError', code: 'corrupt_data', message: error.message });
@@ -143,12 +161,18 @@ export class ScanSession {
   private handleEvent(connection: Connection, event: ScanEvent): void {
     if (event.kind === 'welcome') this.failures = 0;
     if (event.kind === 'snapshotEnd') connection.snapshotEnded = true;
-    if (event.kind === 'scanState') connection.complete = event.phase !== 'running' && event.phase !== 'unknown';
-    if (event.kind === 'serverError' && finalErrorCodes.has(event.code)) connection.finalError = event;
+    if (event.kind === 'scanState')
+      connection.complete = event.phase !== 'running' && event.phase !== 'unknown';
+    if (event.kind === 'serverError' && finalErrorCodes.has(event.code))
+      connection.finalError = event;
     this.world.emit(event);
   }
 
-  private async handleChunk(connection: Connection, chunk: WireChunk, came_ms: number): Promise<void> {
+  private async handleChunk(
+    connection: Connection,
+    chunk: WireChunk,
+    came_ms: number,
+  ): Promise<void> {
     const { key, version, pointCount } = chunk;
     if (pointCount === 0) {
       this.world.emit({ kind: 'chunk', key, version, points: null });
@@ -157,26 +181,45 @@ export class ScanSession {
     try {
       const points = await this.world.decodeChunk(chunk.draco, pointCount, chunk.key.level);
       if (connection === this.connection)
-        this.world.emit({ kind: 'chunk', key, version, points, waited_ms: this.world.now_ms() - came_ms });
+        this.world.emit({
+          kind: 'chunk',
+          key,
+          version,
+          points,
+          waited_ms: this.world.now_ms() - came_ms,
+        });
     } catch (error) {
       if (!(error instanceof DracoError)) throw error;
       this.world.emit({ kind: 'chunkFailed', key, reason: error.message });
     }
   }
 
-  private async handleMeshChunk(connection: Connection, chunk: WireMeshChunk, came_ms: number): Promise<void> {
+  private async handleMeshChunk(
+    connection: Connection,
+    chunk: WireMeshChunk,
+    came_ms: number,
+  ): Promise<void> {
     const { cube, version, submap, triangleCount } = chunk;
     try {
-      const piece = triangleCount === 0 ? null : await this.world.decodePiece(chunk.draco, triangleCount);
+      const piece =
+        triangleCount === 0 ? null : await this.world.decodePiece(chunk.draco, triangleCount);
       if (connection === this.connection)
-        this.world.emit({ kind: 'meshChunk', cube, version, submap, piece, waited_ms: this.world.now_ms() - came_ms });
+        this.world.emit({
+          kind: 'meshChunk',
+          cube,
+          version,
+          submap,
+          piece,
+          waited_ms: this.world.now_ms() - came_ms,
+        });
     } catch (error) {
       if (!(error instanceof DracoError)) throw error;
       this.world.emit({ kind: 'chunkFailed', key: cube, reason: error.message });
     }
   }
 
-  // After decoding, not after receipt: this is the back-pressure that the browser's WebSocket does not have.
+  // After decoding, not after receipt: this is the back-pressure that the browser's
+  // WebSocket does not have.
   private acknowledge(connection: Connection): void {
     const idle = connection.handledBytes === connection.receivedBytes;
     const fresh_bytes = connection.handledBytes - connection.acknowledgedBytes;
@@ -192,7 +235,9 @@ export class ScanSession {
         connection.socket.onclose = null;
         connection.open = false;
         connection.socket.close(4000, 'silence');
-        void connection.work.then(() => this.closed(connection, 4000, 'the server has been silent for 45 s'));
+        void connection.work.then(() =>
+          this.closed(connection, 4000, 'the server has been silent for 45 s'),
+        );
         return;
       }
       if (connection.open) connection.socket.send(pingBytes(++this.pingId));
@@ -205,7 +250,11 @@ export class ScanSession {
     this.connection = null;
     const finalCode = connection.finalError?.code ?? finalCloseCodes.get(code);
     if (finalCode !== undefined) {
-      this.world.emit({ kind: 'closed', code: finalCode, reason: connection.finalError?.message ?? reason });
+      this.world.emit({
+        kind: 'closed',
+        code: finalCode,
+        reason: connection.finalError?.message ?? reason,
+      });
       return;
     }
     if (code === 1000 && connection.complete && connection.snapshotEnded) {

@@ -4,7 +4,11 @@ import { Thumbnails } from './thumbnails';
 
 afterEach(() => vi.unstubAllGlobals());
 
-const scanOf = (id: string, phase: ScanSummary['phase'] = 'finished', frameCount = 7): ScanSummary => ({
+const scanOf = (
+  id: string,
+  phase: ScanSummary['phase'] = 'finished',
+  frameCount = 7,
+): ScanSummary => ({
   id,
   title: id,
   tags: [],
@@ -38,7 +42,10 @@ describe('Thumbnails', () => {
     const scan = scanOf('a');
     expect(thumbnails.known(scan)).toBeUndefined();
     expect(thumbnails.isStale(scan, 0)).toBe(true);
-    const [one, other] = await Promise.all([thumbnails.fetch(scan, 'token', 0), thumbnails.fetch(scan, 'token', 0)]);
+    const [one, other] = await Promise.all([
+      thumbnails.fetch(scan, 'token', 0),
+      thumbnails.fetch(scan, 'token', 0),
+    ]);
     expect(one).toEqual({ text: 'drawing' });
     expect(other).toBe(one);
     expect(asked).toEqual(['api/v1/scans/a/thumbnail.jpg']);
@@ -46,7 +53,7 @@ describe('Thumbnails', () => {
     expect(thumbnails.isStale(scan, 1e9)).toBe(false);
   });
 
-  it('remembers that there is none, and that an image is damaged, but not that the server could not be reached', async () => {
+  it('remembers a missing and a damaged image, but not that the server was away', async () => {
     serve((path) => {
       if (path.includes('/gone/')) return new Response('', { status: 404 });
       if (path.includes('/old/')) return new Response(null, { status: 204 });
@@ -62,7 +69,7 @@ describe('Thumbnails', () => {
     expect(thumbnails.isStale(scanOf('far'), 1)).toBe(true);
   });
 
-  it('shows what the camera of a running scan sees, anew every five seconds, and its model once it has ended', async () => {
+  it('shows what a running scan’s camera sees every five seconds, then its model', async () => {
     let onDisk = true;
     const asked = serve((path) => {
       if (path.endsWith('thumbnail.jpg')) return new Response('drawing');

@@ -1,4 +1,5 @@
-// The small images of scans, for the list: of one that has ended the server's drawing of its model, of a running one what its camera sees.
+// The small images of scans, for the list: of one that has ended the server's drawing of its model,
+// of a running one what its camera sees.
 import { ApiError, request, scanPath, type ScanSummary } from './api';
 import { fetchLiveColor } from './frames';
 
@@ -31,12 +32,15 @@ export class Thumbnails {
     return !kept.final && (scan.phase !== 'running' || now_ms - kept.asked_ms >= live_ms);
   }
 
-  // Rejects with an ApiError when it could not be had this time. Asked twice at once it is fetched once.
+  // Rejects with an ApiError when it could not be had this time. Asked twice at
+  // once it is fetched once.
   fetch(scan: ScanSummary, token: string, now_ms: number): Promise<Thumbnail> {
     const asked = this.waiting.get(scan.id);
     if (asked !== undefined) return asked;
     const before = this.kept.get(scan.id);
-    const fetching = (scan.phase === 'running' ? liveImage(scan, token) : drawing(scan, token)).then((image) => {
+    const fetching = (
+      scan.phase === 'running' ? liveImage(scan, token) : drawing(scan, token)
+    ).then((image) => {
       // A frame that is not on the server's disk yet leaves the one before.
       const shown = image ?? (scan.phase === 'running' ? (before?.image ?? null) : null);
       this.keep(scan.id, { image: shown, final: scan.phase !== 'running', asked_ms: now_ms });
@@ -62,7 +66,8 @@ export class Thumbnails {
   }
 }
 
-export const thumbnails = new Thumbnails(); // they outlive the page, which people leave and come back to
+// They outlive the page of the list, which people leave and come back to.
+export const thumbnails = new Thumbnails();
 
 async function drawing(scan: ScanSummary, token: string): Promise<Thumbnail> {
   try {
@@ -76,7 +81,12 @@ async function drawing(scan: ScanSummary, token: string): Promise<Thumbnail> {
 
 async function liveImage(scan: ScanSummary, token: string): Promise<Thumbnail> {
   if (scan.frameCount === 0) return null;
-  const color = await fetchLiveColor(scan.id, token, scan.frameCount - 1, AbortSignal.timeout(limit_ms));
+  const color = await fetchLiveColor(
+    scan.id,
+    token,
+    scan.frameCount - 1,
+    AbortSignal.timeout(limit_ms),
+  );
   return color && decoded(color.image);
 }
 

@@ -13,7 +13,10 @@ describe('readFragment', () => {
   });
 
   it('keeps how the scan is looked at', () => {
-    expect(readFragment('#share=hms_1&scan=s1&clip=1,2&cut=%23%2F')).toEqual({ token: 'hms_1', hash: '#/scan/s1?clip=1,2&cut=%23%2F' });
+    expect(readFragment('#share=hms_1&scan=s1&clip=1,2&cut=%23%2F')).toEqual({
+      token: 'hms_1',
+      hash: '#/scan/s1?clip=1,2&cut=%23%2F',
+    });
     expect(readFragment('#share=a&token=b&scan=s1').hash).toBe('#/scan/s1');
   });
 
@@ -22,7 +25,8 @@ describe('readFragment', () => {
   });
 
   it('leaves other fragments alone', () => {
-    for (const hash of ['', '#/', '#/scan/s1', '#/scan/token=x']) expect(readFragment(hash)).toEqual({ token: null, hash });
+    for (const hash of ['', '#/', '#/scan/s1', '#/scan/token=x'])
+      expect(readFragment(hash)).toEqual({ token: null, hash });
   });
 
   it('cannot be made to lead elsewhere by a strange scan', () => {
@@ -33,7 +37,10 @@ describe('readFragment', () => {
 describe('the stored token', () => {
   it('is trimmed, and empty when there is none', () => {
     const kept = new Map<string, string>();
-    const storage = { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => void kept.set(key, value) };
+    const storage = {
+      getItem: (key: string) => kept.get(key) ?? null,
+      setItem: (key: string, value: string) => void kept.set(key, value),
+    };
     expect(storedToken(storage)).toBe('');
     storeToken(storage, ' abc\n');
     expect(storedToken(storage)).toBe('abc');

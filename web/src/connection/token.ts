@@ -1,6 +1,7 @@
-// The access token arrives once in the fragment (#token=…, which browsers never send to a server), lives in this tab's sessionStorage, and
-// leaves the address bar at once so that it is not copied or bookmarked by accident. A share link (#share=…&scan=ID) is a token that opens
-// one scan. Other fields say how the scan is looked at, and stay.
+// The access token arrives once in the fragment (#token=…, which browsers never send to a server),
+// lives in this tab's sessionStorage, and leaves the address bar at once so that it is not copied
+// or bookmarked by accident. A share link (#share=…&scan=ID) is a token that opens one scan. Other
+// fields say how the scan is looked at, and stay.
 
 const storageKey = 'hermite.token';
 
@@ -9,7 +10,8 @@ export interface Fragment {
   readonly hash: string; // what the address bar should show
 }
 
-// '#token=T' -> '#/', '#token=T&scan=ID' and '#share=T&scan=ID' -> '#/scan/ID', '…&clip=C' -> '#/scan/ID?clip=C', anything else is left alone.
+// '#token=T' -> '#/', '#token=T&scan=ID' and '#share=T&scan=ID' -> '#/scan/ID', '…&clip=C' ->
+// '#/scan/ID?clip=C', anything else is left alone.
 export function readFragment(hash: string): Fragment {
   const kind = /^#(token|share)=/.exec(hash)?.[1];
   if (!kind) return { token: null, hash };

@@ -2,7 +2,14 @@ import type { HttpRequest, HttpResponse, HttpStack } from 'tus-js-client';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { sendingText, unfinishedText } from '../state/text';
 import { ApiError } from './api';
-import { fingerprint, sendRecording, unfinishedUploads, withStallLimit, type Progress, type UploadWorld } from './upload';
+import {
+  fingerprint,
+  sendRecording,
+  unfinishedUploads,
+  withStallLimit,
+  type Progress,
+  type UploadWorld,
+} from './upload';
 import { PageStorage } from '../state/storages';
 
 const hour_ms = 3_600_000;
@@ -44,12 +51,16 @@ function httpOf(send: Send, onAbort = (): void => {}): HttpStack {
   };
 }
 
-// What tus 1.0.0 asks of a server, and faults by number of request: `keep` so many bytes of the piece that it cuts, or `status` alone.
+// What tus 1.0.0 asks of a server, and faults by number of request: `keep` so many bytes of the
+// piece that it cuts, or `status` alone.
 class Server {
   readonly uploads = new Map<string, { length: number; bytes: Uint8Array; metadata: string }>();
   readonly jobs = new Set<string>();
   readonly asked: string[] = [];
-  readonly faults = new Map<number, { keep?: number; status?: number; loseAnswer?: boolean; body?: string }>();
+  readonly faults = new Map<
+    number,
+    { keep?: number; status?: number; loseAnswer?: boolean; body?: string }
+  >();
 
   readonly send: Send = async (method, path, headers, body, onSent) => {
     const number = this.asked.push(`${method} ${headers['Upload-Offset'] ?? ''}`.trim());
@@ -81,16 +92,24 @@ class Server {
 
   private state(status: number, id: string, more: Record<string, string> = {}): HttpResponse {
     const { bytes, length } = this.uploads.get(id)!;
-    const expires = bytes.length < length ? { 'Upload-Expires': new Date(now_ms + hour_ms).toUTCString() } : {};
-    return answer(status, { 'Upload-Offset': String(bytes.length), 'Upload-Length': String(length), ...expires, ...more } as Record<
-      string,
-      string
-    >);
+    const expires =
+      bytes.length < length ? { 'Upload-Expires': new Date(now_ms + hour_ms).toUTCString() } : {};
+    return answer(status, {
+      'Upload-Offset': String(bytes.length),
+      'Upload-Length': String(length),
+      ...expires,
+      ...more,
+    } as Record<string, string>);
   }
 }
 
 function answer(status: number, headers: Record<string, string> = {}, body = ''): HttpResponse {
-  return { getStatus: () => status, getBody: () => body, getHeader: (name) => headers[name], getUnderlyingObject: () => null };
+  return {
+    getStatus: () => status,
+    getBody: () => body,
+    getHeader: (name) => headers[name],
+    getUnderlyingObject: () => null,
+  };
 }
 
 async function bytesOf(file: File): Promise<Uint8Array> {
@@ -103,14 +122,20 @@ describe('sendRecording', () => {
   let waits_ms: number[];
   let progress: Progress[];
   let whenWaited: (goOn: () => void) => void; // at the end of a wait before another try
-  const send = (file: File): Promise<void> => sendRecording(file, 'secret', world, (step) => progress.push(step));
+  const send = (file: File): Promise<void> =>
+    sendRecording(file, 'secret', world, (step) => progress.push(step));
 
   beforeEach(() => {
     server = new Server();
     waits_ms = [];
     progress = [];
     whenWaited = (goOn) => goOn();
-    world = { http: httpOf(server.send), storage: new PageStorage(), random: () => 0.99, now_ms: () => now_ms };
+    world = {
+      http: httpOf(server.send),
+      storage: new PageStorage(),
+      random: () => 0.99,
+      now_ms: () => now_ms,
+    };
     const soon = (goOn: () => void, wait_ms = 0): unknown => {
       waits_ms.push(wait_ms);
       return setImmediate(() => whenWaited(goOn));
@@ -123,7 +148,9 @@ describe('sendRecording', () => {
     const file = fileOf(5000, 'Küche.tar');
     await send(file);
     expect(server.uploads.get('u1')!.bytes).toEqual(await bytesOf(file));
-    expect(server.uploads.get('u1')!.metadata).toBe(`filename ${Buffer.from('Küche.tar').toString('base64')}`);
+    expect(server.uploads.get('u1')!.metadata).toBe(
+      `filename ${Buffer.from('Küche.tar').toString('base64')}`,
+    );
     expect(server.asked).toEqual(['POST', 'PATCH 0']);
     expect(progress.at(-1)).toEqual({ share: 1, waiting: false });
     expect(world.storage.length).toBe(0);
@@ -178,12 +205,16 @@ describe('sendRecording', () => {
   it('does not take another file for the same', () => {
     const same = fingerprint(fileOf(10));
     expect(fingerprint(fileOf(10))).toBe(same);
-    for (const other of [fileOf(11), fileOf(10, 'hall.tar'), fileOf(10, 'kitchen.tar', 8)]) expect(fingerprint(other)).not.toBe(same);
+    for (const other of [fileOf(11), fileOf(10, 'hall.tar'), fileOf(10, 'kitchen.tar', 8)])
+      expect(fingerprint(other)).not.toBe(same);
   });
 
   it('begins again when the server has let the upload go', async () => {
     const file = fileOf(5000);
-    world.storage.setItem(fingerprint(file), JSON.stringify({ id: 'gone', name: file.name, expires_ms: now_ms + hour_ms }));
+    world.storage.setItem(
+      fingerprint(file),
+      JSON.stringify({ id: 'gone', name: file.name, expires_ms: now_ms + hour_ms }),
+    );
     await send(file);
     expect(server.asked).toEqual(['HEAD', 'GET', 'POST', 'PATCH 0']);
     expect(server.uploads.size).toBe(1);
@@ -209,7 +240,10 @@ describe('sendRecording', () => {
       http: httpOf(async (method, _path, _headers, body) => {
         if (body) pieces.push(body.size);
         const offset = pieces.reduce((sum, size) => sum + size, 0);
-        const headers: Record<string, string> = { 'Upload-Offset': String(offset), Location: '/api/v1/uploads/u1' };
+        const headers: Record<string, string> = {
+          'Upload-Offset': String(offset),
+          Location: '/api/v1/uploads/u1',
+        };
         return answer(method === 'POST' ? 201 : 204, headers);
       }),
     };
@@ -218,7 +252,10 @@ describe('sendRecording', () => {
   });
 
   it('says what the server says when it refuses, at once', async () => {
-    server.faults.set(1, { status: 413, body: '{"error": {"message": "an upload may have 5 GB"}}' });
+    server.faults.set(1, {
+      status: 413,
+      body: '{"error": {"message": "an upload may have 5 GB"}}',
+    });
     await expect(send(fileOf(10))).rejects.toThrow('The server says: an upload may have 5 GB.');
     server.faults.set(2, { status: 401 });
     await expect(send(fileOf(10))).rejects.toMatchObject({ unauthorized: true });
@@ -245,7 +282,10 @@ describe('sendRecording', () => {
 
   it('does not believe nonsense', async () => {
     for (const offset of ['', '-1', '11', '1e1', 'x', '99999999999999999999']) {
-      world = { ...world, http: httpOf(async () => answer(201, { Location: '/u/u1', 'Upload-Offset': offset })) };
+      world = {
+        ...world,
+        http: httpOf(async () => answer(201, { Location: '/u/u1', 'Upload-Offset': offset })),
+      };
       await expect(send(fileOf(10))).rejects.toThrow(ApiError);
     }
   });
@@ -278,7 +318,10 @@ describe('withStallLimit', () => {
       moved = onSent;
       return new Promise(() => {});
     };
-    const stalled = withStallLimit(httpOf(silent, () => (aborted = true))).createRequest('PATCH', 'api/v1/uploads/u1');
+    const stalled = withStallLimit(httpOf(silent, () => (aborted = true))).createRequest(
+      'PATCH',
+      'api/v1/uploads/u1',
+    );
     stalled.setProgressHandler(() => {});
     const refused = expect(stalled.send(null)).rejects.toThrow();
     await vi.advanceTimersByTimeAsync(50_000);
@@ -300,7 +343,9 @@ describe('unfinishedUploads', () => {
     note('hermite.upload.new', now_ms + 1);
     storage.setItem('hermite.upload.bad', '[');
     storage.setItem('theme', 'dark');
-    expect(unfinishedUploads({ storage, now_ms: () => now_ms })).toEqual(['hermite.upload.new.tar']);
+    expect(unfinishedUploads({ storage, now_ms: () => now_ms })).toEqual([
+      'hermite.upload.new.tar',
+    ]);
     expect(storage.length).toBe(2);
   });
 });
@@ -308,9 +353,15 @@ describe('unfinishedUploads', () => {
 describe('texts about sending', () => {
   it('say how far it is, and what to do', () => {
     expect(sendingText('a.tar', { share: 0.439, waiting: false })).toBe('Sending a.tar: 43 %');
-    expect(sendingText('a.tar', { share: 0.5, waiting: true })).toBe('Sending a.tar: 50 %, waiting for the server');
+    expect(sendingText('a.tar', { share: 0.5, waiting: true })).toBe(
+      'Sending a.tar: 50 %, waiting for the server',
+    );
     expect(unfinishedText([])).toBe('');
-    expect(unfinishedText(['a.tar'])).toBe('a.tar was not sent to the end. Add it again and it goes on from there.');
-    expect(unfinishedText(['a', 'b'])).toBe('a, b were not sent to the end. Add them again and they go on from there.');
+    expect(unfinishedText(['a.tar'])).toBe(
+      'a.tar was not sent to the end. Add it again and it goes on from there.',
+    );
+    expect(unfinishedText(['a', 'b'])).toBe(
+      'a, b were not sent to the end. Add them again and they go on from there.',
+    );
   });
 });

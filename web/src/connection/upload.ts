@@ -1,9 +1,18 @@
-// Sends a recording by tus 1.0.0 (https://tus.io/protocols/resumable-upload) with tus-js-client, and goes on where it was after a broken link,
-// a restart of the server or a reload of the page: which upload belongs to which file is noted in localStorage, how much of it arrived the
-// server knows. Left to itself, tus-js-client begins an upload anew when a proxy answers 502, waits without limit for a link that stalls,
-// believes a Location that a proxy has made wrong, fails where localStorage is full, and does not know when the server forgets an upload or
-// that a finished one is a job. Hence its hooks below.
-import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpResponse, type HttpStack } from 'tus-js-client';
+// Sends a recording by tus 1.0.0 (https://tus.io/protocols/resumable-upload) with tus-js-client,
+// and goes on where it was after a broken link, a restart of the server or a reload of the page:
+// which upload belongs to which file is noted in localStorage, how much of it arrived the server
+// knows. Left to itself, tus-js-client begins an upload anew when a proxy answers 502, waits
+// without limit for a link that stalls, believes a Location that a proxy has made wrong, fails
+// where localStorage is full, and does not know when the server forgets an upload or that a
+// finished one is a job. Hence its hooks below.
+import {
+  DefaultHttpStack,
+  DetailedError,
+  Upload,
+  type HttpRequest,
+  type HttpResponse,
+  type HttpStack,
+} from 'tus-js-client';
 import { t } from '../texts/texts';
 import { ApiError, isRecord, refusalOf, textOf } from './api';
 import { backoffDelay_ms } from './backoff';
@@ -42,9 +51,15 @@ export function fingerprint(file: File): string {
 // Fingerprints of what this page sends: two that send one upload would take it from each other.
 const underWay = new Set<string>();
 
-// Names of files that were not sent to their end and that the server still waits for. Forgets those that it does not.
-export function unfinishedUploads({ storage, now_ms }: Pick<UploadWorld, 'storage' | 'now_ms'>): string[] {
-  const keys = Array.from({ length: storage.length }, (_, i) => storage.key(i) ?? '').filter((key) => key.startsWith(keyPrefix));
+// Names of files that were not sent to their end and that the server still waits for.
+// Forgets those that it does not.
+export function unfinishedUploads({
+  storage,
+  now_ms,
+}: Pick<UploadWorld, 'storage' | 'now_ms'>): string[] {
+  const keys = Array.from({ length: storage.length }, (_, i) => storage.key(i) ?? '').filter(
+    (key) => key.startsWith(keyPrefix),
+  );
   return keys.flatMap((key) => {
     const noted = notedUpload(storage, key);
     if (underWay.has(key)) return [];
@@ -54,8 +69,9 @@ export function unfinishedUploads({ storage, now_ms }: Pick<UploadWorld, 'storag
   });
 }
 
-// Resolves when all of the file is on the server's disk. Rejects with an ApiError: with the server's message when it refuses, or when it was
-// not there for too long; the next call with the same file goes on then.
+// Resolves when all of the file is on the server's disk. Rejects with an ApiError: with the
+// server's message when it refuses, or when it was not there for too long; the next call with
+// the same file goes on then.
 export async function sendRecording(
   file: File,
   token: string,
@@ -97,7 +113,8 @@ class Sending {
     const { file, key, world } = this;
     const noted = notedUpload(world.storage, key);
     return new Promise((resolve, reject) => {
-      const report = (bytes: number, waiting: boolean): void => this.onProgress({ share: file.size > 0 ? bytes / file.size : 1, waiting });
+      const report = (bytes: number, waiting: boolean): void =>
+        this.onProgress({ share: file.size > 0 ? bytes / file.size : 1, waiting });
       const arrived = (): void => {
         world.storage.removeItem(key);
         report(file.size, false);
@@ -110,7 +127,9 @@ class Sending {
         headers: this.headers,
         metadata: { filename: file.name },
         chunkSize: piece_bytes,
-        retryDelays: Array.from({ length: maxFailures }, (_, i) => backoffDelay_ms(i + 1, world.random())),
+        retryDelays: Array.from({ length: maxFailures }, (_, i) =>
+          backoffDelay_ms(i + 1, world.random()),
+        ),
         fingerprint: () => Promise.resolve(key),
         storeFingerprintForResuming: false,
         onUploadUrlAvailable: () => (upload.url = uploadPath(idOf(upload.url))),
@@ -125,7 +144,10 @@ class Sending {
         onError: (error) => {
           const cause = causeOf(error);
           if (cause instanceof ArrivedBefore) arrived();
-          else reject(isFinal(cause) ? cause : new ApiError(t.theServerWasNotThereFor(file.name), false));
+          else
+            reject(
+              isFinal(cause) ? cause : new ApiError(t.theServerWasNotThereFor(file.name), false),
+            );
         },
       });
       upload.start();
@@ -137,13 +159,16 @@ class Sending {
     const status = response.getStatus();
     const method = request.getMethod();
     if (busyStatuses.includes(status)) throw new Interrupted();
-    if (method === 'HEAD' && (status === 404 || status === 410)) return this.forget(idOf(request.getURL()));
-    if (method === 'PATCH' && [404, 409, 410].includes(status)) throw new Interrupted(); // the server knows better: it is asked
+    if (method === 'HEAD' && (status === 404 || status === 410))
+      return this.forget(idOf(request.getURL()));
+    // The server knows better how much it has: it is asked.
+    if (method === 'PATCH' && [404, 409, 410].includes(status)) throw new Interrupted();
     if (status < 200 || status > 299) throw refused(response);
     const said = response.getHeader('Upload-Offset') ?? '';
     const offset = /^\d+$/.test(said) ? Number(said) : NaN;
     const id = idOf(method === 'POST' ? response.getHeader('Location') : request.getURL());
-    if (id === '' || !(offset <= this.file.size)) throw new ApiError(t.theServersAnswerCannotBeRead, false);
+    if (id === '' || !(offset <= this.file.size))
+      throw new ApiError(t.theServersAnswerCannotBeRead, false);
     this.arrived_bytes = offset;
     if (offset < this.file.size) this.note(id, response);
   }
@@ -163,7 +188,10 @@ class Sending {
     const expires_ms = Date.parse(response.getHeader('Upload-Expires') ?? '');
     if (Number.isNaN(expires_ms)) return;
     try {
-      this.world.storage.setItem(this.key, JSON.stringify({ id, name: this.file.name, expires_ms }));
+      this.world.storage.setItem(
+        this.key,
+        JSON.stringify({ id, name: this.file.name, expires_ms }),
+      );
     } catch {
       // Storage is full or forbidden: a broken link is survived all the same, a reload is not.
     }
@@ -174,12 +202,15 @@ class Sending {
 const uploadPath = (id: string): string => `${uploadsPath}/${id}`;
 
 // Empty: there is none.
-const idOf = (address: string | null | undefined): string => /(?:^|\/)([\w-]+)$/.exec(address ?? '')?.[1] ?? '';
+const idOf = (address: string | null | undefined): string =>
+  /(?:^|\/)([\w-]+)$/.exec(address ?? '')?.[1] ?? '';
 
 // What a hook has thrown, or the event of the link that broke.
-const causeOf = (error: Error): unknown => (error instanceof DetailedError ? error.causingError : error);
+const causeOf = (error: Error): unknown =>
+  error instanceof DetailedError ? error.causingError : error;
 
-const isFinal = (cause: unknown): boolean => cause instanceof ApiError || cause instanceof ArrivedBefore;
+const isFinal = (cause: unknown): boolean =>
+  cause instanceof ApiError || cause instanceof ArrivedBefore;
 
 function refused(response: HttpResponse): ApiError {
   if (response.getStatus() === 401) return new ApiError(t.theServerDoesNotAcceptThis, true);
@@ -235,5 +266,10 @@ export function withStallLimit(http: HttpStack): HttpStack {
 }
 
 export function browserWorld(): UploadWorld {
-  return { http: withStallLimit(new DefaultHttpStack({})), storage: ofThisBrowser, random: Math.random, now_ms: Date.now };
+  return {
+    http: withStallLimit(new DefaultHttpStack({})),
+    storage: ofThisBrowser,
+    random: Math.random,
+    now_ms: Date.now,
+  };
 }

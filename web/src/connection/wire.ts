@@ -1,4 +1,5 @@
-// Protobuf bytes <-> the values of events.ts. Everything read is checked here once; what is wrong throws a WireError with a message.
+// Protobuf bytes <-> the values of events.ts. Everything read is checked here once; what is wrong
+// throws a WireError with a message.
 import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
 import {
   ClientMessageSchema,
@@ -51,12 +52,22 @@ export interface WireMeshChunk {
   readonly draco: Uint8Array;
 }
 
-export type Incoming = ScanEvent | WireChunk | WireMeshChunk | { readonly kind: 'pong' } | { readonly kind: 'unknown' };
+export type Incoming =
+  | ScanEvent
+  | WireChunk
+  | WireMeshChunk
+  | { readonly kind: 'pong' }
+  | { readonly kind: 'unknown' };
 
 export function helloBytes(scanId: string, token: string, watch: Watch): Uint8Array<ArrayBuffer> {
   return encode({
     case: 'hello',
-    value: { protocolMinor, client: 'hermite-viewer 0.1.0', token, role: { case: 'viewScan', value: { scanId, watch } } },
+    value: {
+      protocolMinor,
+      client: 'hermite-viewer 0.1.0',
+      token,
+      role: { case: 'viewScan', value: { scanId, watch } },
+    },
   });
 }
 
@@ -73,7 +84,9 @@ export function pingBytes(id: number): Uint8Array<ArrayBuffer> {
   return encode({ case: 'ping', value: { id: BigInt(id) } });
 }
 
-function encode(body: NonNullable<MessageInitShape<typeof ClientMessageSchema>['body']>): Uint8Array<ArrayBuffer> {
+function encode(
+  body: NonNullable<MessageInitShape<typeof ClientMessageSchema>['body']>,
+): Uint8Array<ArrayBuffer> {
   return toBinary(ClientMessageSchema, create(ClientMessageSchema, { body }));
 }
 
@@ -82,7 +95,9 @@ export function decode(bytes: Uint8Array): Incoming {
   try {
     message = fromBinary(ServerMessageSchema, bytes);
   } catch (error) {
-    throw new WireError(`a message of ${bytes.length} bytes is not a ServerMessage: ${(error as Error).message}`);
+    throw new WireError(
+      `a message of ${bytes.length} bytes is not a ServerMessage: ${(error as Error).message}`,
+    );
   }
   const body = message.body;
   switch (body.case) {
@@ -156,12 +171,19 @@ function frameOf(frame: FrameResult): FrameEvent {
     surfelCount: Number(frame.surfelCount),
     frame_ms: frame.frameMs,
     inSubmap: frame.submapFromCamera
-      ? { submap: frame.submap, submapFromCamera: poseOf(frame.submapFromCamera, 'submap_from_camera') }
+      ? {
+          submap: frame.submap,
+          submapFromCamera: poseOf(frame.submapFromCamera, 'submap_from_camera'),
+        }
       : null,
     event: eventNames[frame.event] ?? 'none', // of a newer server: nothing that there is a text for
     correction_m: lengthOf(frame.correctionM, 'correction_m'),
-    lastTracked: frame.lastTracked ? { sequence: Number(frame.lastTracked.sequence), timestamp_s: frame.lastTracked.timestampS } : null,
-    positionSigma_m: frame.uncertainty ? lengthOf(frame.uncertainty.positionSigmaM, 'uncertainty.position_sigma_m') : null,
+    lastTracked: frame.lastTracked
+      ? { sequence: Number(frame.lastTracked.sequence), timestamp_s: frame.lastTracked.timestampS }
+      : null,
+    positionSigma_m: frame.uncertainty
+      ? lengthOf(frame.uncertainty.positionSigmaM, 'uncertainty.position_sigma_m')
+      : null,
   };
 }
 
@@ -169,15 +191,25 @@ function chunkOf(chunk: Chunk): WireChunk {
   if (!chunk.key) throw new WireError('a chunk has no key');
   const { submap, level, x, y, z } = chunk.key;
   if (chunk.pointCount > maxPointsPerChunk) {
-    throw new WireError(`a chunk declares ${chunk.pointCount} points, the limit is ${maxPointsPerChunk}`);
+    throw new WireError(
+      `a chunk declares ${chunk.pointCount} points, the limit is ${maxPointsPerChunk}`,
+    );
   }
-  return { kind: 'wireChunk', key: { submap, level, x, y, z }, version: chunk.version, pointCount: chunk.pointCount, draco: chunk.draco };
+  return {
+    kind: 'wireChunk',
+    key: { submap, level, x, y, z },
+    version: chunk.version,
+    pointCount: chunk.pointCount,
+    draco: chunk.draco,
+  };
 }
 
 function meshChunkOf({ cube, version, submap, triangleCount, draco }: MeshChunk): WireMeshChunk {
   if (!cube) throw new WireError('a piece of mesh has no cube');
   if (triangleCount > maxTrianglesPerChunk) {
-    throw new WireError(`a piece of mesh declares ${triangleCount} triangles, the limit is ${maxTrianglesPerChunk}`);
+    throw new WireError(
+      `a piece of mesh declares ${triangleCount} triangles, the limit is ${maxTrianglesPerChunk}`,
+    );
   }
   const { part, x, y, z } = cube;
   return { kind: 'wireMeshChunk', cube: { part, x, y, z }, version, submap, triangleCount, draco };
@@ -194,27 +226,39 @@ function poseOf(pose: Rigid3 | undefined, field: string): Pose {
   if (!pose) throw new WireError(`${field} is missing`);
   const { tx, ty, tz, qx, qy, qz, qw } = pose;
   const norm = Math.hypot(qx, qy, qz, qw);
-  if (![tx, ty, tz].every(Number.isFinite) || !Number.isFinite(norm) || norm < 1e-6) throw new WireError(`${field} is not a pose`);
+  if (![tx, ty, tz].every(Number.isFinite) || !Number.isFinite(norm) || norm < 1e-6)
+    throw new WireError(`${field} is not a pose`);
   return { translation: [tx, ty, tz], rotation: [qx / norm, qy / norm, qz / norm, qw / norm] };
 }
 
 function lengthOf(length_m: number, field: string): number {
-  if (!Number.isFinite(length_m) || length_m < 0) throw new WireError(`${field} is ${length_m}, not a length`);
+  if (!Number.isFinite(length_m) || length_m < 0)
+    throw new WireError(`${field} is ${length_m}, not a length`);
   return length_m;
 }
 
 function pastOf(part: TrajectoryPart): PastPositions {
   const inWorld_m = positionsOf(part.positions);
   if (part.submaps.length === 0) return { positions_m: inWorld_m, submaps: null };
-  if (part.positionsInSubmaps.length !== inWorld_m.length || 3 * part.submaps.length !== inWorld_m.length) {
-    throw new WireError(`a trajectory part has ${part.submaps.length} submaps for ${inWorld_m.length / 3} positions`);
+  if (
+    part.positionsInSubmaps.length !== inWorld_m.length ||
+    3 * part.submaps.length !== inWorld_m.length
+  ) {
+    throw new WireError(
+      `a trajectory part has ${part.submaps.length} submaps for ${inWorld_m.length / 3} positions`,
+    );
   }
-  return { positions_m: positionsOf(part.positionsInSubmaps), submaps: Uint32Array.from(part.submaps) };
+  return {
+    positions_m: positionsOf(part.positionsInSubmaps),
+    submaps: Uint32Array.from(part.submaps),
+  };
 }
 
 function positionsOf(positions: readonly number[]): Float32Array {
-  if (positions.length % 3 !== 0) throw new WireError(`a trajectory part has ${positions.length} numbers, not a multiple of 3`);
-  if (!positions.every(Number.isFinite)) throw new WireError('a trajectory part has a position that is not finite');
+  if (positions.length % 3 !== 0)
+    throw new WireError(`a trajectory part has ${positions.length} numbers, not a multiple of 3`);
+  if (!positions.every(Number.isFinite))
+    throw new WireError('a trajectory part has a position that is not finite');
   return Float32Array.from(positions);
 }
 

@@ -1,4 +1,5 @@
-// The Web Worker: owns the socket and the Draco decoder, so that neither parsing nor decoding ever stops the image.
+// The Web Worker: owns the socket and the Draco decoder, so that neither parsing nor
+// decoding ever stops the image.
 /// <reference lib="webworker" />
 import wasmUrl from 'three/examples/jsm/libs/draco/draco_decoder.wasm?url';
 import { DracoDecoder } from './draco';
@@ -16,10 +17,20 @@ function post(message: FromWorker, transfer: Transferable[] = []): void {
 function emit(event: ScanEvent): void {
   if (event.kind === 'chunk' && event.points) {
     const { positions_m, colors, normals, radii_m } = event.points;
-    post({ kind: 'event', event }, [positions_m.buffer, colors.buffer, normals.buffer, radii_m.buffer]);
+    post({ kind: 'event', event }, [
+      positions_m.buffer,
+      colors.buffer,
+      normals.buffer,
+      radii_m.buffer,
+    ]);
   } else if (event.kind === 'meshChunk' && event.piece) {
     const { index, positions_m, normals, colors } = event.piece;
-    post({ kind: 'event', event }, [index.buffer, positions_m.buffer, normals.buffer, colors.buffer]);
+    post({ kind: 'event', event }, [
+      index.buffer,
+      positions_m.buffer,
+      normals.buffer,
+      colors.buffer,
+    ]);
   } else {
     post({ kind: 'event', event });
   }
@@ -30,7 +41,8 @@ let wanted: Watch | null = null; // since it was opened
 
 async function open(target: SessionTarget): Promise<void> {
   const response = await fetch(wasmUrl, { signal: AbortSignal.timeout(30_000) });
-  if (!response.ok) throw new Error(`the Draco decoder could not be loaded: HTTP ${response.status}`);
+  if (!response.ok)
+    throw new Error(`the Draco decoder could not be loaded: HTTP ${response.status}`);
   const wasm = await response.arrayBuffer();
   const decoder = new DracoDecoder(wasm);
   const meshDecoder = new DracoMeshDecoder(wasm);

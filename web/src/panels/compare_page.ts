@@ -1,7 +1,14 @@
-// The page of a comparison: asks the server for it, waits, and shows both scans with what has changed between them.
+// The page of a comparison: asks the server for it, waits, and shows both scans with what
+// has changed between them.
 import { ApiError, errorText, fetchScan } from '../connection/api';
 import type { ComparedPoints } from '../connection/compared_points';
-import { fetchComparedPoints, fetchComparison, removeComparison, requestComparison, type ComparisonState } from '../connection/comparisons';
+import {
+  fetchComparedPoints,
+  fetchComparison,
+  removeComparison,
+  requestComparison,
+  type ComparisonState,
+} from '../connection/comparisons';
 import { patiently } from '../connection/patience';
 import { fetchAccess } from '../connection/scans';
 import { t } from '../texts/texts';
@@ -23,19 +30,28 @@ export function comparePage(first: string, second: string, token: string): Compa
   const parts = compareParts(first);
   const shown = new CompareView(parts);
   const fetchPoints = async (): Promise<ComparedPoints | null> => {
-    const points = await patiently(() => fetchComparedPoints(first, second, token, ended.signal), ended.signal);
+    const points = await patiently(
+      () => fetchComparedPoints(first, second, token, ended.signal),
+      ended.signal,
+    );
     return ended.signal.aborted ? null : points;
   };
   const run = (again: boolean): void => {
     parts.ready(false);
     untilReady({ first, second, token, signal: ended.signal, again, parts })
       .then((state) => state && shown.show(state, fetchPoints))
-      .catch((error: unknown) => !ended.signal.aborted && parts.fail(errorText(error, t.theComparisonCannotBeShown)));
+      .catch(
+        (error: unknown) =>
+          !ended.signal.aborted && parts.fail(errorText(error, t.theComparisonCannotBeShown)),
+      );
   };
   parts.retry.addEventListener('click', () => run(true));
   parts.cancel.addEventListener(
     'click',
-    () => void removeComparison(first, second, token).catch((error: unknown) => parts.fail(errorText(error))),
+    () =>
+      void removeComparison(first, second, token).catch((error: unknown) =>
+        parts.fail(errorText(error)),
+      ),
   );
   void showTitles(parts, [first, second], token);
   const stopLooking = watchDeletion(
@@ -45,7 +61,14 @@ export function comparePage(first: string, second: string, token: string): Compa
   );
   const onKey = (event: KeyboardEvent): void => {
     const typing = event.target instanceof HTMLInputElement && event.target.type !== 'radio';
-    if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (
+      typing ||
+      document.querySelector('dialog') ||
+      event.ctrlKey ||
+      event.metaKey ||
+      event.altKey
+    )
+      return;
     if (event.key === 'f') shown.frameAll();
     if (event.key === 'b') shown.swapLook();
     if (event.key === '?') showHelp();
@@ -65,7 +88,11 @@ export function comparePage(first: string, second: string, token: string): Compa
   };
 }
 
-async function showTitles({ names, title }: CompareParts, ids: readonly string[], token: string): Promise<void> {
+async function showTitles(
+  { names, title }: CompareParts,
+  ids: readonly string[],
+  token: string,
+): Promise<void> {
   const scans = await Promise.all(ids.map((id) => fetchScan(id, token).catch(() => null)));
   scans.forEach((scan, i) => {
     names[i as 0 | 1].textContent = scan?.title ?? '';
@@ -86,7 +113,14 @@ interface Waiting {
 }
 
 // Null: somebody has stopped it, or it has failed; the page says so.
-async function untilReady({ first, second, token, signal, again, parts }: Waiting): Promise<ComparisonState | null> {
+async function untilReady({
+  first,
+  second,
+  token,
+  signal,
+  again,
+  parts,
+}: Waiting): Promise<ComparisonState | null> {
   parts.wait(t.loadingTheComparison, null, false);
   const { view, scan: mayAsk, shared } = await patiently(() => fetchAccess(token), signal);
   if (shared || !view) throw new ApiError(t.aShareLinkShowsOneScan, true);
@@ -95,7 +129,8 @@ async function untilReady({ first, second, token, signal, again, parts }: Waitin
     const state = await patiently(() => fetchComparison(first, second, token, signal), signal);
     if (signal.aborted) return null;
     if (state.state === 'ready') return state;
-    if (state.state === 'queued') parts.wait(state.words || t.theComparisonWaitsForItsTurn, null, mayAsk);
+    if (state.state === 'queued')
+      parts.wait(state.words || t.theComparisonWaitsForItsTurn, null, mayAsk);
     if (state.state === 'running') parts.wait(t.bothScansAreBeingCompared, state.done, mayAsk);
     const isNew = state.state === 'missing' || (state.state === 'failed' && again);
     if (isNew && asked && state.state === 'missing') {
@@ -117,7 +152,11 @@ async function untilReady({ first, second, token, signal, again, parts }: Waitin
 }
 
 // Says when one of both is deleted while somebody looks.
-function watchDeletion({ notice }: CompareParts, ask: () => Promise<unknown>, isShown: () => boolean): () => void {
+function watchDeletion(
+  { notice }: CompareParts,
+  ask: () => Promise<unknown>,
+  isShown: () => boolean,
+): () => void {
   const look = (): void => {
     if (!isShown() || document.hidden) return;
     ask().catch((error: unknown) => {

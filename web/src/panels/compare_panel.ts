@@ -1,6 +1,17 @@
-// Beside the image of a comparison: what it says, what the colours mean, and the list of what has changed.
+// Beside the image of a comparison: what it says, what the colours mean, and the
+// list of what has changed.
 import type { ChangedRegion, CompareReport } from '../connection/comparisons';
-import { changeColor, colorOfDistance, cssOf, fullColor_m, kindOf, remarksOf, sizeOf, verdictOf, type Look } from '../state/comparing';
+import {
+  changeColor,
+  colorOfDistance,
+  cssOf,
+  fullColor_m,
+  kindOf,
+  remarksOf,
+  sizeOf,
+  verdictOf,
+  type Look,
+} from '../state/comparing';
 import { millimetresText } from '../state/quantities';
 import { t } from '../texts/texts';
 import { element, setText } from './dom';
@@ -22,16 +33,32 @@ export function comparePanel(chosen: (region: number) => void): ComparePanel {
   const remarks = element('ul', { class: 'compare-remarks' });
   const details = element('details', {}, element('summary', {}, t.details), remarks);
   const heading = element('h2', {}, t.changes);
-  const node = element('section', { class: 'compare-panel', 'aria-label': t.whatHasChanged }, verdict, legend, heading, list, details);
+  const node = element(
+    'section',
+    { class: 'compare-panel', 'aria-label': t.whatHasChanged },
+    verdict,
+    legend,
+    heading,
+    list,
+    details,
+  );
   node.hidden = true;
   let buttons: HTMLButtonElement[] = [];
   const rowOf = (region: ChangedRegion, index: number): HTMLButtonElement => {
-    const color = changeColor(region.kind === 'added' || region.kind === 'removed' ? region.kind : 'moved', region.distance_m);
+    const color = changeColor(
+      region.kind === 'added' || region.kind === 'removed' ? region.kind : 'moved',
+      region.distance_m,
+    );
     const dot = element('span', { class: 'compare-color', 'aria-hidden': 'true' });
     if (color) dot.style.background = cssOf(color);
     const button = element(
       'button',
-      { type: 'button', class: 'menu-row compare-region', 'aria-pressed': 'false', title: t.showsItInThePicture },
+      {
+        type: 'button',
+        class: 'menu-row compare-region',
+        'aria-pressed': 'false',
+        title: t.showsItInThePicture,
+      },
       dot,
       element('span', { class: 'compare-kind' }, kindOf(region)),
       element('span', { class: 'compare-size' }, sizeOf(region)),
@@ -69,11 +96,19 @@ function legendOf(): HTMLElement {
     bar.append(piece);
   }
   const most = millimetresText(fullColor_m, 0);
-  const ends = element('div', { class: 'compare-ends' }, element('span', {}, t.fartherBy(most)), element('span', {}, t.nearerBy(most)));
+  const ends = element(
+    'div',
+    { class: 'compare-ends' },
+    element('span', {}, t.fartherBy(most)),
+    element('span', {}, t.nearerBy(most)),
+  );
   const chips = (['added', 'removed'] as const).map((state) =>
     chip(state === 'added' ? t.added : t.removed, cssOf(changeColor(state, NaN)!)),
   );
-  const greys = [chip(t.unchanged, 'rgb(168 168 168)', 'grey'), chip(t.notSeenInTheOtherScan, 'rgb(64 64 64)', 'grey')];
+  const greys = [
+    chip(t.unchanged, 'rgb(168 168 168)', 'grey'),
+    chip(t.notSeenInTheOtherScan, 'rgb(64 64 64)', 'grey'),
+  ];
   return element(
     'div',
     { class: 'compare-legend', role: 'group', 'aria-label': t.whatTheColoursMean },

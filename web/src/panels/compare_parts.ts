@@ -1,20 +1,23 @@
 // What the page of a comparison is made of, and what it says while there is nothing to be seen.
 import { hashOf } from '../state/route';
 import { t } from '../texts/texts';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 
 export type CompareParts = ReturnType<typeof compareParts>;
 
 export function compareParts(first: string) {
-  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': t.bothScansInThreeDimensionsArrow });
-  const names = [element('h2', { class: 'compare-name' }), element('h2', { class: 'compare-name' })] as const;
-  const message = element('p', { class: 'compare-words', role: 'status' });
-  const progress = element('progress', { class: 'facts', max: 1, 'aria-label': t.progressOfTheComparison });
-  const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
-  const retry = element('button', { type: 'button', class: 'button primary' }, t.tryAgain);
-  const middle = element('div', { class: 'compare-middle' }, message, progress, element('div', { class: 'buttons' }, cancel, retry));
+  const canvas = element('canvas', {
+    class: 'picture',
+    tabindex: 0,
+    'aria-label': t.bothScansInThreeDimensionsArrow,
+  });
+  const names = [
+    element('h2', { class: 'compare-name' }),
+    element('h2', { class: 'compare-name' }),
+  ] as const;
+  const { middle, ...waiting } = waitingParts();
   const notice = element('p', { class: 'compare-notice', role: 'status' });
-  const all = element('button', { type: 'button', class: 'button compare-all', title: t.showsTheWholeScanF }, t.showAll);
+  const all = buttonOf(t.showAll, { class: 'button compare-all', title: t.showsTheWholeScanF });
   const stage = element('div', { class: 'compare-stage' }, canvas, ...names, middle, notice, all);
   const back = element(
     'a',
@@ -24,6 +27,27 @@ export function compareParts(first: string) {
   const title = element('h1', {}, t.comparison);
   const bar = element('header', { class: 'compare-head' }, back, title);
   const node = element('main', { class: 'compare-page' }, bar, stage);
+  notice.hidden = all.hidden = true;
+  return { node, bar, canvas, names, title, notice, all, ...waiting };
+}
+
+// In the middle, while there is nothing to be seen: what is waited for, and what failed.
+function waitingParts() {
+  const message = element('p', { class: 'compare-words', role: 'status' });
+  const progress = element('progress', {
+    class: 'facts',
+    max: 1,
+    'aria-label': t.progressOfTheComparison,
+  });
+  const cancel = buttonOf(t.cancel);
+  const retry = buttonOf(t.tryAgain, { class: 'button primary' });
+  const middle = element(
+    'div',
+    { class: 'compare-middle' },
+    message,
+    progress,
+    element('div', { class: 'buttons' }, cancel, retry),
+  );
   const ready = (mayTry: boolean): void => {
     progress.hidden = cancel.hidden = true;
     retry.hidden = !mayTry;
@@ -33,19 +57,12 @@ export function compareParts(first: string) {
     ready(false);
     middle.hidden = text === '';
   };
-  notice.hidden = all.hidden = true;
   ready(false);
   return {
-    node,
-    bar,
-    canvas,
-    names,
-    title,
+    middle,
     progress,
     cancel,
     retry,
-    notice,
-    all,
     ready,
     say,
     fail(text: string) {

@@ -1,4 +1,5 @@
-// What is seen of two scans: the picture of both, how one lies to the other in it, and the list of what has changed.
+// What is seen of two scans: the picture of both, how one lies to the other in it, and the
+// list of what has changed.
 import type { ComparedPoints } from '../connection/compared_points';
 import type { ComparisonState } from '../connection/comparisons';
 import { CompareScene } from '../scene/compare_scene';
@@ -15,7 +16,13 @@ export class CompareView {
   private points: ComparedPoints | null = null;
   private look: Look = 'overlay';
   private readonly panel = comparePanel((index) => this.flyTo(index));
-  private readonly choice = segments('compare-look', t.howBothAreShown, looks, lookLabels, (chosen) => this.setLook(chosen));
+  private readonly choice = segments(
+    'compare-look',
+    t.howBothAreShown,
+    looks,
+    lookLabels,
+    (chosen) => this.setLook(chosen),
+  );
   scene: CompareScene | null = null; // null while there is no picture
 
   constructor(private readonly parts: CompareParts) {
@@ -31,7 +38,10 @@ export class CompareView {
   }
 
   // `fetchPoints` gets the points of both; null: nobody wants them any more.
-  async show({ report }: ComparisonState, fetchPoints: () => Promise<ComparedPoints | null>): Promise<void> {
+  async show(
+    { report }: ComparisonState,
+    fetchPoints: () => Promise<ComparedPoints | null>,
+  ): Promise<void> {
     if (!report) return;
     this.report = report;
     this.panel.show(report);

@@ -22,7 +22,13 @@ export function coverageLegend(
 ): Panel {
   const shares = kinds.map(() => element('span', { class: 'coverage-share' }));
   const rows = kinds.map(([kind, label], i) =>
-    element('li', {}, element('span', { class: `coverage-color ${kind}`, 'aria-hidden': 'true' }), element('span', {}, label), shares[i]!),
+    element(
+      'li',
+      {},
+      element('span', { class: `coverage-color ${kind}`, 'aria-hidden': 'true' }),
+      element('span', {}, label),
+      shares[i]!,
+    ),
   );
   const node = element(
     'section',
@@ -32,7 +38,9 @@ export function coverageLegend(
   let timer: ReturnType<typeof setInterval> | undefined;
   const count = (): void => {
     const coverage = coverageOf(scene.confidences());
-    kinds.forEach(([kind], i) => setText(shares[i]!, coverage ? `${Math.round(100 * coverage[kind])} %` : '–'));
+    kinds.forEach(([kind], i) =>
+      setText(shares[i]!, coverage ? `${Math.round(100 * coverage[kind])} %` : '–'),
+    );
   };
   const show = (): void => {
     const on = options.get().coverage && scan.get().framesReceived > 0;

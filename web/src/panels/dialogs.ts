@@ -1,8 +1,9 @@
-// What stands in front of everything for a moment. The browser keeps the focus in, and closes it on Escape.
+// What stands in front of everything for a moment. The browser keeps the focus in,
+// and closes it on Escape.
 import { errorText } from '../connection/api';
 import { tagsIn } from '../state/scan_list';
 import { t } from '../texts/texts';
-import { element } from './dom';
+import { buttonOf, element } from './dom';
 
 const maxTitle_bytes = 200; // the server's kMaxTitleBytes
 const [maxTags, maxTag_bytes] = [20, 50]; // its kMaxTagsPerScan and kMaxTagBytes
@@ -26,14 +27,19 @@ function ask(question: Question): void {
     maxlength: question.maxLength,
   });
   const problem = element('p', { class: 'problem', role: 'alert' });
-  const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
+  const cancel = buttonOf(t.cancel);
   const form = element(
     'form',
     {},
     element('label', { for: 'answer' }, question.label),
     input,
     problem,
-    element('div', { class: 'dialog-buttons' }, cancel, element('button', { type: 'submit', class: 'button primary' }, question.button)),
+    element(
+      'div',
+      { class: 'dialog-buttons' },
+      cancel,
+      element('button', { type: 'submit', class: 'button primary' }, question.button),
+    ),
   );
   const close = openDialog(question.heading, form);
   input.select();
@@ -58,12 +64,19 @@ export function askForTitle(title: string, rename: (title: string) => Promise<vo
     maxLength: maxTitle_bytes,
     button: t.rename,
     problemOf: (text) =>
-      text.trim() === '' ? t.aTitleHasAtLeastOne : bytesOf(text.trim()) > maxTitle_bytes ? t.thisIsLongerThanBytes(maxTitle_bytes) : '',
+      text.trim() === ''
+        ? t.aTitleHasAtLeastOne
+        : bytesOf(text.trim()) > maxTitle_bytes
+          ? t.thisIsLongerThanBytes(maxTitle_bytes)
+          : '',
     answered: (text) => rename(text.trim()),
   });
 }
 
-export function askForTags(tags: readonly string[], change: (tags: string[]) => Promise<void>): void {
+export function askForTags(
+  tags: readonly string[],
+  change: (tags: string[]) => Promise<void>,
+): void {
   ask({
     heading: t.tags,
     label: t.tagsWithCommasBetweenThem,
@@ -110,10 +123,15 @@ export function showHelp(): void {
   const rows = keys.map(([key, description]) =>
     element('div', {}, element('dt', {}, element('kbd', {}, key)), element('dd', {}, description)),
   );
-  const done = element('button', { type: 'button', class: 'button primary' }, t.close);
+  const done = buttonOf(t.close, { class: 'button primary' });
   const close = openDialog(
     t.mouseTouchAndKeyboard,
-    element('div', {}, element('dl', { class: 'keys' }, ...rows), element('div', { class: 'dialog-buttons' }, done)),
+    element(
+      'div',
+      {},
+      element('dl', { class: 'keys' }, ...rows),
+      element('div', { class: 'dialog-buttons' }, done),
+    ),
   );
   done.addEventListener('click', close);
 }

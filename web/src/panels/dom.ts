@@ -11,10 +11,16 @@ export function element<Tag extends keyof HTMLElementTagNameMap>(
 ): HTMLElementTagNameMap[Tag] {
   const node = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
-    if (value !== null && value !== false) node.setAttribute(name, value === true ? '' : String(value));
+    if (value !== null && value !== false)
+      node.setAttribute(name, value === true ? '' : String(value));
   }
   node.append(...children.filter((child) => child !== null));
   return node;
+}
+
+// A button that sends no form; its class is `button` unless it has another one.
+export function buttonOf(child: Child, attributes: Attributes = {}): HTMLButtonElement {
+  return element('button', { type: 'button', class: 'button', ...attributes }, child);
 }
 
 // Writing the same text again would make screen readers repeat it.

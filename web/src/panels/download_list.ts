@@ -1,5 +1,12 @@
 // A row for each format by its kind; of a mesh it says how far that is which has the chosen finish.
-import { asItIs, finishedAs, importedMesh, isMade, type MeshFinish, type ScanExport } from '../connection/exports';
+import {
+  asItIs,
+  finishedAs,
+  importedMesh,
+  isMade,
+  type MeshFinish,
+  type ScanExport,
+} from '../connection/exports';
 import { kindText } from '../state/text';
 import { t } from '../texts/texts';
 import { element } from './dom';
@@ -21,7 +28,8 @@ export function downloadList({ take, textOf }: Choices): DownloadList {
   let exports: readonly ScanExport[] = [];
   let finish = asItIs; // of meshes
   const formats = (): ScanExport[] => exports.filter((one) => !isMade(one));
-  const chosen = (one: ScanExport): ScanExport => (isFinished(one) ? finishedAs(exports, one, finish) : one);
+  const chosen = (one: ScanExport): ScanExport =>
+    isFinished(one) ? finishedAs(exports, one, finish) : one;
   const refresh = (): void => {
     if (formats().some((one) => !rows.has(one.format))) build();
     for (const one of formats()) rows.get(one.format)?.show(chosen(one));
@@ -87,7 +95,16 @@ function finishChoices(choose: (finish: MeshFinish) => void): HTMLElement {
   const triangles = selectOf(triangleChoices);
   const holes = selectOf(holeChoices);
   const tell = (): void =>
-    choose({ ...asItIs, ...triangleChoices[triangles.selectedIndex]?.[1], ...holeChoices[holes.selectedIndex]?.[1] });
+    choose({
+      ...asItIs,
+      ...triangleChoices[triangles.selectedIndex]?.[1],
+      ...holeChoices[holes.selectedIndex]?.[1],
+    });
   for (const one of [triangles, holes]) one.addEventListener('change', tell);
-  return element('div', { class: 'download-finish' }, element('label', {}, t.triangles, triangles), element('label', {}, t.holes, holes));
+  return element(
+    'div',
+    { class: 'download-finish' },
+    element('label', {}, t.triangles, triangles),
+    element('label', {}, t.holes, holes),
+  );
 }

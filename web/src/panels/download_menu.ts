@@ -1,22 +1,29 @@
-// Everything that a finished scan can be taken away as. What is not there yet is made by the server first; who has asked for it gets it when it is ready.
+// Everything that a finished scan can be taken away as. What is not there yet is made by the server
+// first; who has asked for it gets it when it is ready.
 import { fileNameOf, saveAs } from '../connection/api';
-import { fetchExport, fetchExports, removeExport, requestExport, type ScanExport } from '../connection/exports';
+import {
+  fetchExport,
+  fetchExports,
+  removeExport,
+  requestExport,
+  type ScanExport,
+} from '../connection/exports';
 import { fetchAccess } from '../connection/scans';
 import { Downloads, type ExportServer } from '../state/downloads';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { exportText } from '../state/text';
 import { t } from '../texts/texts';
-import { element, type Panel } from './dom';
+import { buttonOf, element, type Panel } from './dom';
 import { downloadList } from './download_list';
 import { madeExports } from './made_exports';
 import { noticeLine } from './notice';
 import { popUp } from './pop_up';
 
 export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel {
-  const button = element('button', { type: 'button', class: 'button', 'aria-expanded': 'false', 'aria-controls': 'downloads' }, t.download);
+  const button = buttonOf(t.download, { 'aria-expanded': 'false', 'aria-controls': 'downloads' });
   const { element: notice, say } = noticeLine();
-  const close = element('button', { type: 'button', class: 'button close', 'aria-label': t.closeTheDownloads }, t.close);
+  const close = buttonOf(t.close, { class: 'button close', 'aria-label': t.closeTheDownloads });
   let mayRemove = false;
   let disposed = false;
   const show = (): void => {

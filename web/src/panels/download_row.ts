@@ -8,9 +8,18 @@ export interface DownloadRow {
   show(one: ScanExport): void;
 }
 
-export function downloadRow(label: string, choose: () => void, textOf: (one: ScanExport) => string): DownloadRow {
+export function downloadRow(
+  label: string,
+  choose: () => void,
+  textOf: (one: ScanExport) => string,
+): DownloadRow {
   const state = element('span', { class: 'download-state' });
-  const node = element('button', { type: 'button', class: 'download-row' }, element('span', {}, label), state);
+  const node = element(
+    'button',
+    { type: 'button', class: 'download-row' },
+    element('span', {}, label),
+    state,
+  );
   node.addEventListener('click', choose);
   return {
     element: node,

@@ -1,17 +1,26 @@
-// Taking parts out of a scan: the inside or the outside of the clip box, and what floats. Stands in the panel of the clip box.
+// Taking parts out of a scan: the inside or the outside of the clip box, and what floats. Stands in
+// the panel of the clip box.
 import { fetchAccess, noAccess } from '../connection/scans';
 import type { Cutting, CuttingEvent } from '../state/cutting';
 import { boxEdit, type BoxKind, type Editing } from '../state/editing';
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
-import { element, setText, type Panel } from './dom';
+import { buttonOf, element, setText, type Panel } from './dom';
 import type { EditsWatch } from './edits_watch';
 
-const floating_cm = { min: 5, max: 200, step: 5, value: 30 } as const; // the server allows 1 to 1000
+// The server allows 1 to 1000.
+const floating_cm = { min: 5, max: 200, step: 5, value: 30 } as const;
 
-export function editsView(edits: EditsWatch, cutting: Store<Cutting, CuttingEvent>, token: string): Panel {
-  const act = (text: string, hint: string): HTMLButtonElement => element('button', { type: 'button', class: 'button', title: hint }, text);
-  const [keep, remove] = [act(t.keepTheInside, t.removesWhatIsOutside), act(t.removeTheInside, t.removesWhatIsInside)];
+export function editsView(
+  edits: EditsWatch,
+  cutting: Store<Cutting, CuttingEvent>,
+  token: string,
+): Panel {
+  const act = (text: string, hint: string): HTMLButtonElement => buttonOf(text, { title: hint });
+  const [keep, remove] = [
+    act(t.keepTheInside, t.removesWhatIsOutside),
+    act(t.removeTheInside, t.removesWhatIsInside),
+  ];
   const floating = act(t.removeFloatingParts, t.removesPartsSmallerThan);
   const size = sizeSlider();
   const [undo, redo] = [act(t.undo, ''), act(t.redo, '')];
@@ -45,7 +54,9 @@ export function editsView(edits: EditsWatch, cutting: Store<Cutting, CuttingEven
   };
   keep.addEventListener('click', () => takeOut('keep_inside'));
   remove.addEventListener('click', () => takeOut('remove_inside'));
-  floating.addEventListener('click', () => edits.make({ kind: 'remove_floating', smaller_than_m: size.size_m() }));
+  floating.addEventListener('click', () =>
+    edits.make({ kind: 'remove_floating', smaller_than_m: size.size_m() }),
+  );
   undo.addEventListener('click', () => edits.undo());
   redo.addEventListener('click', () => edits.redo());
   fetchAccess(token).then(
@@ -67,7 +78,12 @@ export function editsView(edits: EditsWatch, cutting: Store<Cutting, CuttingEven
 
 // How large a floating part is at most that is taken out.
 function sizeSlider(): { readonly element: HTMLElement; size_m(): number } {
-  const input = element('input', { type: 'range', id: 'floating-size', ...floating_cm, 'aria-label': t.removesPartsSmallerThan });
+  const input = element('input', {
+    type: 'range',
+    id: 'floating-size',
+    ...floating_cm,
+    'aria-label': t.removesPartsSmallerThan,
+  });
   const text = element('output', { for: 'floating-size' });
   const show = (): void => {
     const size = t.smallerThanCm(input.valueAsNumber);

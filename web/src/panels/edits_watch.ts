@@ -1,4 +1,5 @@
-// The edits of a scan that has ended: read when it has, and when the page is looked at again; shown in the scene; changed step by step.
+// The edits of a scan that has ended: read when it has, and when the page is looked at again; shown
+// in the scene; changed step by step.
 import { errorText } from '../connection/api';
 import { fetchEdits, saveEdits } from '../connection/edits';
 import { patiently } from '../connection/patience';
@@ -54,7 +55,9 @@ export function watchEdits({ scan, scene, token, changed }: World): EditsWatch {
     store.dispatch({ kind: 'saving' });
     try {
       const { kind, now } = await saveEdits(scanId, token, { version, edits: step.edits });
-      store.dispatch(kind === 'done' ? { kind: 'saved', list: now, undone: step.undone } : { kind, now });
+      store.dispatch(
+        kind === 'done' ? { kind: 'saved', list: now, undone: step.undone } : { kind, now },
+      );
       changed();
     } catch (error) {
       store.dispatch({ kind: 'failed', message: errorText(error) });
@@ -71,7 +74,8 @@ export function watchEdits({ scan, scene, token, changed }: World): EditsWatch {
       scene.showEdits(boxEdits(edits));
     }),
     scan.subscribe(({ phase }) => {
-      if (phase === 'finished' || phase === 'interrupted') reading ??= read().catch(() => {}); // then there is nothing to edit
+      // When the edits cannot be read, there is nothing to edit.
+      if (phase === 'finished' || phase === 'interrupted') reading ??= read().catch(() => {});
     }),
   ];
   return {

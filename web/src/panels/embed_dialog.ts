@@ -1,9 +1,10 @@
-// What the page of another site has in its source to show a scan: made when somebody asks for it, with a share link of its own.
+// What the page of another site has in its source to show a scan: made when somebody asks for it,
+// with a share link of its own.
 import { createShareLink, errorText } from '../connection/api';
 import { elementHtml, frameHtml } from '../state/embed';
 import { t } from '../texts/texts';
 import { openDialog } from './dialogs';
-import { element } from './dom';
+import { buttonOf, element } from './dom';
 
 const days = 365; // the most that the server allows
 
@@ -12,7 +13,7 @@ export function showEmbedding(scanId: string, title: string, token: string, view
   const problem = element('p', { class: 'problem', role: 'alert' });
   const frame = source(t.asAFrame);
   const own = source(t.asAnElement);
-  const done = element('button', { type: 'button', class: 'button primary' }, t.close);
+  const done = buttonOf(t.close, { class: 'button primary' });
   const content = element(
     'div',
     { class: 'embedding' },

@@ -1,4 +1,5 @@
-// Which way is up in a scan: as somebody has said by a click on the floor, which this browser remembers, or as it is found.
+// Which way is up in a scan: as somebody has said by a click on the floor, which this browser
+// remembers, or as it is found.
 import type { ScanScene } from '../scene/scene';
 import { ofThisBrowser } from '../state/storages';
 import { storedUp, storeUp } from '../state/up_choice';
@@ -11,7 +12,11 @@ export interface FloorChoice extends Panel {
   actions(): MenuItem[];
 }
 
-export function floorChoice(canvas: HTMLCanvasElement, scene: ScanScene, scanId: string): FloorChoice {
+export function floorChoice(
+  canvas: HTMLCanvasElement,
+  scene: ScanScene,
+  scanId: string,
+): FloorChoice {
   const picker = floorPicker(canvas, (x_px, y_px) => {
     const up = scene.floorAt(x_px, y_px);
     if (up) storeUp(ofThisBrowser, scanId, up);
@@ -26,7 +31,10 @@ export function floorChoice(canvas: HTMLCanvasElement, scene: ScanScene, scanId:
     element: picker.element,
     actions() {
       const isChosen = storedUp(ofThisBrowser, scanId) !== null;
-      return [{ label: t.setTheFloor, do: picker.begin }, ...(isChosen ? [{ label: t.findTheFloorAgain, do: findAgain }] : [])];
+      return [
+        { label: t.setTheFloor, do: picker.begin },
+        ...(isChosen ? [{ label: t.findTheFloorAgain, do: findAgain }] : []),
+      ];
     },
     dispose: picker.dispose,
   };

@@ -1,6 +1,6 @@
 // Asks for one click on the floor.
 import { t } from '../texts/texts';
-import { element, type Panel } from './dom';
+import { buttonOf, element, type Panel } from './dom';
 import { onTap } from './tap';
 
 export interface FloorPicker extends Panel {
@@ -8,9 +8,17 @@ export interface FloorPicker extends Panel {
 }
 
 // `choose` is told where, in pixels of the page; false: nothing is there.
-export function floorPicker(canvas: HTMLCanvasElement, choose: (x_px: number, y_px: number) => boolean): FloorPicker {
-  const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
-  const node = element('div', { class: 'card asking', role: 'status' }, element('span', {}, t.clickOnTheFloorOrOn), cancel);
+export function floorPicker(
+  canvas: HTMLCanvasElement,
+  choose: (x_px: number, y_px: number) => boolean,
+): FloorPicker {
+  const cancel = buttonOf(t.cancel);
+  const node = element(
+    'div',
+    { class: 'card asking', role: 'status' },
+    element('span', {}, t.clickOnTheFloorOrOn),
+    cancel,
+  );
   node.hidden = true;
   const ask = (on: boolean): void => {
     node.hidden = !on;

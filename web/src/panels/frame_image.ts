@@ -11,7 +11,12 @@ export interface FrameImage {
 export function frameImage(name: string, ...caption: (Node | string)[]): FrameImage {
   const canvas = element('canvas', { class: 'frame-image', role: 'img', 'aria-label': name });
   const why = element('p', { class: 'frame-why' });
-  const node = element('figure', { class: 'frame-picture' }, element('div', {}, canvas, why), element('figcaption', {}, ...caption));
+  const node = element(
+    'figure',
+    { class: 'frame-picture' },
+    element('div', {}, canvas, why),
+    element('figcaption', {}, ...caption),
+  );
   let there = false;
   return {
     element: node,
@@ -26,7 +31,8 @@ export function frameImage(name: string, ...caption: (Node | string)[]): FrameIm
         return;
       }
       // Setting the size clears it, even to the same one.
-      if (canvas.width !== image.width || canvas.height !== image.height) [canvas.width, canvas.height] = [image.width, image.height];
+      if (canvas.width !== image.width || canvas.height !== image.height)
+        [canvas.width, canvas.height] = [image.width, image.height];
       canvas.getContext('2d')!.drawImage(image, 0, 0);
       image.close();
     },

@@ -1,4 +1,5 @@
-// On a phone the panels cover much of the image: what somebody looks at stays in the middle of what is left.
+// On a phone the panels cover much of the image: what somebody looks at stays in
+// the middle of what is left.
 import { freePart, wholeImage } from '../scene/free_part';
 import type { ScanScene } from '../scene/scene';
 
@@ -10,7 +11,9 @@ export function watchFreePart(page: HTMLElement, stage: HTMLElement, scene: Scan
   const panels = [...page.querySelectorAll<HTMLElement>(':scope > .card')];
   const look = (): void => {
     const edges = (phone.matches ? panels : []).map((panel) => panel.getBoundingClientRect());
-    scene.setFreePart(edges.length > 0 ? freePart(stage.getBoundingClientRect(), edges) : wholeImage);
+    scene.setFreePart(
+      edges.length > 0 ? freePart(stage.getBoundingClientRect(), edges) : wholeImage,
+    );
   };
   const sizes = new ResizeObserver(look);
   for (const node of [stage, ...panels]) sizes.observe(node);

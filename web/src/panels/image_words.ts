@@ -1,4 +1,5 @@
-// What the page says over the image: why it is empty, and what becomes of the surface that somebody waits for.
+// What the page says over the image: why it is empty, and what becomes of the surface
+// that somebody waits for.
 import type { LiveScan } from '../state/live_scan';
 import { meshText } from '../state/mesh';
 import type { Store } from '../state/store';
@@ -13,7 +14,11 @@ export interface ImageWords {
 }
 
 // `canDraw`: the browser can show pictures in three dimensions.
-export function imageWords(scan: Store<LiveScan, never>, options: Store<ViewOptions, never>, canDraw: boolean): ImageWords {
+export function imageWords(
+  scan: Store<LiveScan, never>,
+  options: Store<ViewOptions, never>,
+  canDraw: boolean,
+): ImageWords {
   const empty = element('p', { class: 'empty', role: 'status' });
   const surface = element('p', { class: 'mesh-note', role: 'status' });
   const refresh = (): void => {

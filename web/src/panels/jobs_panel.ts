@@ -1,10 +1,11 @@
-// Recordings, clouds and meshes on their way to being scans: what waits, what is done with it, what failed and why; and the way to add one.
+// Recordings, clouds and meshes on their way to being scans: what waits, what is done with it, what
+// failed and why; and the way to add one.
 import { errorText } from '../connection/api';
 import { cancelJob, fetchJobs, retryJob, type Job } from '../connection/jobs';
 import { browserWorld, sendRecording, unfinishedUploads } from '../connection/upload';
 import { jobText, sendingText, unfinishedText } from '../state/text';
 import { t } from '../texts/texts';
-import { element, type Panel } from './dom';
+import { buttonOf, element, type Panel } from './dom';
 import { statusMark } from './mark';
 import { noticeLine } from './notice';
 
@@ -29,7 +30,12 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
       }),
   );
   const { element: notice, say } = noticeLine();
-  const input = element('input', { type: 'file', multiple: true, id: 'recordings', class: 'hidden-input' });
+  const input = element('input', {
+    type: 'file',
+    multiple: true,
+    id: 'recordings',
+    class: 'hidden-input',
+  });
   const add = element('label', { for: 'recordings', class: 'button' }, t.addARecordingCloudOrMesh);
   const node = element(
     'section',
@@ -55,10 +61,16 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
   };
   const send = (files: Iterable<File>): Promise<void> =>
     attempt(async () => {
-      for (const file of files) await sendRecording(file, token(), world, (progress) => sayOnPage(sendingText(file.name, progress)));
+      for (const file of files)
+        await sendRecording(file, token(), world, (progress) =>
+          sayOnPage(sendingText(file.name, progress)),
+        );
     });
   sayUnfinished();
-  input.addEventListener('change', () => void send([...(input.files ?? [])]).finally(() => (input.value = '')));
+  input.addEventListener(
+    'change',
+    () => void send([...(input.files ?? [])]).finally(() => (input.value = '')),
+  );
   const stopDrops = onDrops((files) => void (allowed && send(files)));
   return {
     element: node,
@@ -76,7 +88,10 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
 }
 
 // What waits or is worked at, and what has failed. Written only when something differs.
-function jobLists(rowFor: (job: Job) => HTMLElement, dismiss: (jobs: readonly Job[]) => Promise<void>) {
+function jobLists(
+  rowFor: (job: Job) => HTMLElement,
+  dismiss: (jobs: readonly Job[]) => Promise<void>,
+) {
   const going = element('ul', { class: 'scans jobs' });
   let shown = '';
   let failures: readonly Job[] = [];
@@ -89,7 +104,9 @@ function jobLists(rowFor: (job: Job) => HTMLElement, dismiss: (jobs: readonly Jo
       if (key === shown) return;
       shown = key;
       failures = jobs.filter((job) => job.state === 'failed').slice(0, shown_count);
-      const unfinished = jobs.filter((job) => job.state === 'queued' || job.state === 'running').slice(0, shown_count);
+      const unfinished = jobs
+        .filter((job) => job.state === 'queued' || job.state === 'running')
+        .slice(0, shown_count);
       going.replaceChildren(...unfinished.map((job) => element('li', {}, rowFor(job))));
       failed.show(failures.map(rowFor));
     },
@@ -100,7 +117,8 @@ function jobLists(rowFor: (job: Job) => HTMLElement, dismiss: (jobs: readonly Jo
   };
 }
 
-// Anywhere on the page: a file that is dropped beside the panel would replace it. Returns how to stop.
+// Anywhere on the page: a file that is dropped beside the panel would replace
+// it. Returns how to stop.
 function onDrops(take: (files: File[]) => void): () => void {
   const onDrag = (event: DragEvent): void => event.preventDefault();
   const onDrop = (event: DragEvent): void => {
@@ -115,9 +133,12 @@ function onDrops(take: (files: File[]) => void): () => void {
   };
 }
 
-function failedSection(dismissThem: () => Promise<void>): { readonly element: HTMLElement; show(rows: readonly HTMLElement[]): void } {
+function failedSection(dismissThem: () => Promise<void>): {
+  readonly element: HTMLElement;
+  show(rows: readonly HTMLElement[]): void;
+} {
   const list = element('ul', { class: 'scans' });
-  const dismissAll = element('button', { type: 'button', class: 'button' }, t.dismissAll);
+  const dismissAll = buttonOf(t.dismissAll);
   const node = element(
     'section',
     { class: 'failed-jobs', 'aria-label': t.failed },
@@ -136,18 +157,34 @@ function failedSection(dismissThem: () => Promise<void>): { readonly element: HT
   };
 }
 
-function rowOf(job: Job, token: () => string, attempt: (work: () => Promise<void>) => Promise<void>): HTMLElement {
+function rowOf(
+  job: Job,
+  token: () => string,
+  attempt: (work: () => Promise<void>) => Promise<void>,
+): HTMLElement {
   const mark = statusMark();
   mark.show(jobText(job));
-  const buttonOf = (label: string, work: (id: string, token: string) => Promise<void>): HTMLElement => {
-    const button = element('button', { type: 'button', class: 'button', 'aria-label': `${label}: ${job.title}` }, label);
+  const actionOf = (
+    label: string,
+    work: (id: string, token: string) => Promise<void>,
+  ): HTMLElement => {
+    const button = buttonOf(label, { 'aria-label': `${label}: ${job.title}` });
     button.addEventListener('click', () => void attempt(() => work(job.id, token())));
     return button;
   };
   const buttons =
-    job.state === 'failed' ? [buttonOf(t.tryAgain, retryJob), buttonOf(t.dismiss, cancelJob)] : [buttonOf(t.cancel, cancelJob)];
+    job.state === 'failed'
+      ? [actionOf(t.tryAgain, retryJob), actionOf(t.dismiss, cancelJob)]
+      : [actionOf(t.cancel, cancelJob)];
   const progress =
-    job.total > 0 ? element('progress', { max: job.total, value: job.done, class: 'facts', 'aria-label': t.progressOf(job.title) }) : null;
+    job.total > 0
+      ? element('progress', {
+          max: job.total,
+          value: job.done,
+          class: 'facts',
+          'aria-label': t.progressOf(job.title),
+        })
+      : null;
   return element(
     'div',
     { class: 'scan-row' },

@@ -23,7 +23,10 @@ export class KeptMeasurements {
   ) {}
 
   load(): void {
-    fetchMeasurements(this.scanId, this.token).then((kept) => this.tell({ kind: 'listed', kept }), this.fail);
+    fetchMeasurements(this.scanId, this.token).then(
+      (kept) => this.tell({ kind: 'listed', kept }),
+      this.fail,
+    );
     fetchAccess(this.token).then(({ scan }) => {
       this.mayChange = scan;
       this.allowed();
@@ -31,11 +34,17 @@ export class KeptMeasurements {
   }
 
   keep(name: string, measured: Measured): void {
-    keepMeasurement(this.scanId, this.token, name, measured).then((one) => this.tell({ kind: 'kept', one }), this.fail);
+    keepMeasurement(this.scanId, this.token, name, measured).then(
+      (one) => this.tell({ kind: 'kept', one }),
+      this.fail,
+    );
   }
 
   remove({ id }: KeptMeasurement): void {
-    removeMeasurement(this.scanId, this.token, id).then(() => this.tell({ kind: 'removed', id }), this.fail);
+    removeMeasurement(this.scanId, this.token, id).then(
+      () => this.tell({ kind: 'removed', id }),
+      this.fail,
+    );
   }
 
   // As a table, named after the scan.
@@ -46,5 +55,6 @@ export class KeptMeasurements {
     );
   }
 
-  private readonly fail = (error: unknown): void => this.tell({ kind: 'failed', message: errorText(error) });
+  private readonly fail = (error: unknown): void =>
+    this.tell({ kind: 'failed', message: errorText(error) });
 }

@@ -12,10 +12,13 @@ export function chooseLanguage(chosen: Language): void {
 
 export function languageChoice(): HTMLElement {
   const select = element('select', { class: 'language', 'aria-label': t.language });
-  for (const [value, name] of names) select.append(element('option', { value, lang: value, selected: value === language }, name));
+  for (const [value, name] of names)
+    select.append(element('option', { value, lang: value, selected: value === language }, name));
   select.addEventListener('change', () => chooseLanguage(select.value as Language));
   return select;
 }
 
 // Of those that the page is not in.
-export const otherLanguages: readonly [Language, string][] = names.filter(([value]) => value !== language);
+export const otherLanguages: readonly [Language, string][] = names.filter(
+  ([value]) => value !== language,
+);

@@ -1,4 +1,5 @@
-// All scans of the server, newest first. The newest are asked for again every few seconds while the page is seen, older ones when somebody wants them.
+// All scans of the server, newest first. The newest are asked for again every few seconds while the
+// page is seen, older ones when somebody wants them.
 import { ApiError, fetchScans, type ScanSummary } from '../connection/api';
 import { fetchAccess } from '../connection/scans';
 import { KnownScans } from '../state/known_scans';
@@ -24,8 +25,20 @@ export interface ListPage extends Panel {
 export function listPage(door: ListAccess): ListPage {
   const { element: notice, say } = noticeLine();
   const jobs = jobsPanel(door.token, () => void refreshing.again());
-  const list = scanList({ token: door.token, changed: () => void refreshing.again(), older: () => showOlder(), say });
-  const parts = [wordmark(), element('h1', {}, t.scans), notice, jobs.element, list.element, jobs.failed];
+  const list = scanList({
+    token: door.token,
+    changed: () => void refreshing.again(),
+    older: () => showOlder(),
+    say,
+  });
+  const parts = [
+    wordmark(),
+    element('h1', {}, t.scans),
+    notice,
+    jobs.element,
+    list.element,
+    jobs.failed,
+  ];
   const known = new KnownScans();
   let disposed = false;
 
@@ -91,14 +104,29 @@ function wordmark(): HTMLElement {
 }
 
 function tokenForm(door: ListAccess, retry: () => void): HTMLElement {
-  const input = element('input', { type: 'password', id: 'token', autocomplete: 'off', spellcheck: 'false', required: true });
+  const input = element('input', {
+    type: 'password',
+    id: 'token',
+    autocomplete: 'off',
+    spellcheck: 'false',
+    required: true,
+  });
   const form = element(
     'form',
     { class: 'token-form' },
-    element('p', { class: 'lead' }, door.token() ? t.theServerDoesNotAcceptThis : t.thisServerAsksForAnAccess),
+    element(
+      'p',
+      { class: 'lead' },
+      door.token() ? t.theServerDoesNotAcceptThis : t.thisServerAsksForAnAccess,
+    ),
     element('p', {}, t.itPrintedALinkWithThe),
     element('label', { for: 'token' }, t.accessToken),
-    element('div', { class: 'field' }, input, element('button', { type: 'submit', class: 'button primary' }, t.continue)),
+    element(
+      'div',
+      { class: 'field' },
+      input,
+      element('button', { type: 'submit', class: 'button primary' }, t.continue),
+    ),
   );
   form.addEventListener('submit', (event) => {
     event.preventDefault();

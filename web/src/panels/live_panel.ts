@@ -1,4 +1,5 @@
-// What the camera of a running scan sees: its newest colour and depth image; while it is lost, beside that the last view that it should go back to.
+// What the camera of a running scan sees: its newest colour and depth image; while it is lost,
+// beside that the last view that it should go back to.
 import { errorText } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { fetchColor, fetchDepth, fetchLiveColor, type DepthRange } from '../connection/frames';
@@ -13,7 +14,7 @@ import type { Store } from '../state/store';
 import { asksForSurface, type ViewOptions } from '../state/view_options';
 import { lostText, sentence, trackingText, wayBackCaption } from '../state/text';
 import { t } from '../texts/texts';
-import { element, setText, type Panel } from './dom';
+import { buttonOf, element, setText, type Panel } from './dom';
 import { frameImage } from './frame_image';
 import { statusMark } from './mark';
 import { ofThisBrowser } from '../state/storages';
@@ -33,16 +34,18 @@ interface World {
 }
 
 const tick_ms = 100;
-const least_ms = 500; // between images, and as long as the last ones took: half of a slow link is for the model
+// The pause between images is at least this, and as long as the last ones took: half of a
+// slow link is for the model.
+const least_ms = 500;
 
 export function livePanel({ scene, scan, options, token, opened }: World): LivePanel {
   const parts = partsOf();
   const { node, done, there } = parts;
-  const button = element(
-    'button',
-    { type: 'button', class: 'button live-button', title: t.whatTheCameraSeesL, 'aria-pressed': 'false' },
-    t.camera,
-  );
+  const button = buttonOf(t.camera, {
+    class: 'button live-button',
+    title: t.whatTheCameraSeesL,
+    'aria-pressed': 'false',
+  });
   const images = new LiveImages({ scene, scan, options, token }, parts);
   let wanted = liveIsWanted(ofThisBrowser);
   let allowed = false;
@@ -98,7 +101,13 @@ type Parts = ReturnType<typeof partsOf>;
 
 function partsOf() {
   const [near, far] = [element('span'), element('span')];
-  const scale = element('span', { class: 'depth-scale' }, near, element('span', { class: 'depth-colors', 'aria-hidden': 'true' }), far);
+  const scale = element(
+    'span',
+    { class: 'depth-scale' },
+    near,
+    element('span', { class: 'depth-colors', 'aria-hidden': 'true' }),
+    far,
+  );
   const color = frameImage(t.whatTheCameraSees, t.camera);
   const depth = frameImage(t.itsDepthRedIsNearBlue, t.depth, scale);
   const ago = element('span');
@@ -106,13 +115,19 @@ function partsOf() {
   back.element.classList.add('way-back');
   const lost = element('p', { class: 'live-lost', role: 'alert' });
   const why = element('p', { class: 'live-why' }); // not read aloud whenever it changes
-  const images = element('div', { class: 'frame-pictures' }, back.element, color.element, depth.element);
+  const images = element(
+    'div',
+    { class: 'frame-pictures' },
+    back.element,
+    color.element,
+    depth.element,
+  );
   const tracking = statusMark(); // on a phone, where the status has no room beside this
   tracking.element.classList.add('live-tracking');
   const [behind, behindWhy] = [element('summary'), element('p')];
   const delays = element('details', { class: 'live-behind' }, behind, behindWhy);
-  const there = element('button', { type: 'button', class: 'button', title: t.movesTheViewToWhereThe }, t.lookFromThere);
-  const done = element('button', { type: 'button', class: 'button', 'aria-label': t.closeTheCamerasImages }, t.close);
+  const there = buttonOf(t.lookFromThere, { title: t.movesTheViewToWhereThe });
+  const done = buttonOf(t.close, { 'aria-label': t.closeTheCamerasImages });
   const node = element(
     'section',
     { class: 'card frames live', 'aria-label': t.camera },
@@ -122,7 +137,25 @@ function partsOf() {
     images,
     element('div', { class: 'live-foot' }, delays, there, done),
   );
-  return { node, tracking, lost, images, color, depth, back, ago, why, near, far, scale, delays, behind, behindWhy, there, done };
+  return {
+    node,
+    tracking,
+    lost,
+    images,
+    color,
+    depth,
+    back,
+    ago,
+    why,
+    near,
+    far,
+    scale,
+    delays,
+    behind,
+    behindWhy,
+    there,
+    done,
+  };
 }
 
 type LiveWorld = Omit<World, 'opened'>;
@@ -157,11 +190,20 @@ class LiveImages {
   }
 
   onEvent(event: ScanEvent): void {
-    if (event.kind === 'frame') this.newestFrame = { sequence: event.sequence, came_ms: performance.now() };
-    if (event.kind === 'welcome') this.drawn = this.drawnBack = this.newestFrame = null; // perhaps it is made anew
-    if ((event.kind !== 'chunk' && event.kind !== 'meshChunk') || event.waited_ms === undefined || document.hidden) return;
+    if (event.kind === 'frame')
+      this.newestFrame = { sequence: event.sequence, came_ms: performance.now() };
+    // Perhaps the scan is built again.
+    if (event.kind === 'welcome') this.drawn = this.drawnBack = this.newestFrame = null;
+    if (
+      (event.kind !== 'chunk' && event.kind !== 'meshChunk') ||
+      event.waited_ms === undefined ||
+      document.hidden
+    )
+      return;
     const [came_ms, waited_ms] = [performance.now(), event.waited_ms];
-    this.world.scene.images.whenDrawn((drawn_ms) => this.meter.modelDrawn(waited_ms + drawn_ms - came_ms));
+    this.world.scene.images.whenDrawn((drawn_ms) =>
+      this.meter.modelDrawn(waited_ms + drawn_ms - came_ms),
+    );
   }
 
   lookThere(): void {
@@ -198,13 +240,24 @@ class LiveImages {
   }
 
   private tick(): void {
-    const silent = this.newestFrame ? silenceText(performance.now() - this.newestFrame.came_ms) : '';
+    const silent = this.newestFrame
+      ? silenceText(performance.now() - this.newestFrame.came_ms)
+      : '';
     this.showBehind(silent);
-    if (!this.allowed || document.hidden || !this.parts.node.checkVisibility() || this.onItsWay || performance.now() < this.next_ms) return;
+    if (
+      !this.allowed ||
+      document.hidden ||
+      !this.parts.node.checkVisibility() ||
+      this.onItsWay ||
+      performance.now() < this.next_ms
+    )
+      return;
     const { wayBack, connection, sequence } = this.world.scan.get();
     if (connection !== 'open') return;
-    if (wayBack && wayBack.sequence !== this.drawnBack) void this.alone((signal) => this.fetchBack(wayBack, signal));
-    else if (sequence !== null && sequence !== this.drawn) void this.alone((signal) => this.fetchNow(sequence, signal));
+    if (wayBack && wayBack.sequence !== this.drawnBack)
+      void this.alone((signal) => this.fetchBack(wayBack, signal));
+    else if (sequence !== null && sequence !== this.drawn)
+      void this.alone((signal) => this.fetchNow(sequence, signal));
   }
 
   private showBehind(silent: string): void {
@@ -220,7 +273,8 @@ class LiveImages {
     const mine = (this.onItsWay = new AbortController());
     const began_ms = performance.now();
     await fetch(mine.signal).catch((error: unknown) => {
-      if (this.onItsWay === mine && this.drawn === null) this.parts.color.show(errorText(error, t.thisImageCannotBeRead));
+      if (this.onItsWay === mine && this.drawn === null)
+        this.parts.color.show(errorText(error, t.thisImageCannotBeRead));
     });
     if (this.onItsWay !== mine) return;
     this.onItsWay = null;
@@ -249,16 +303,27 @@ class LiveImages {
       setText(far, metresText(shown.shown.to_mm / 1000, 1));
     }
     const { triangles, surfaceHasConfidences } = scan.get();
-    const showsSurface = triangles > 0 && asksForSurface(options.get(), surfaceHasConfidences === true);
+    const showsSurface =
+      triangles > 0 && asksForSurface(options.get(), surfaceHasConfidences === true);
     requestAnimationFrame(() => {
-      this.behind = this.meter.imageDrawn(live, { asked_ms, answered_ms: live.answered_ms }, performance.now(), showsSurface);
+      this.behind = this.meter.imageDrawn(
+        live,
+        { asked_ms, answered_ms: live.answered_ms },
+        performance.now(),
+        showsSurface,
+      );
     });
   }
 
-  private async fetchBack({ sequence, worldFromCamera }: WayBack, signal: AbortSignal): Promise<void> {
+  private async fetchBack(
+    { sequence, worldFromCamera }: WayBack,
+    signal: AbortSignal,
+  ): Promise<void> {
     const { scan, token, scene } = this.world;
     const { back } = this.parts;
-    const image = await createImageBitmap(await fetchColor(scan.get().scanId, token, sequence, signal));
+    const image = await createImageBitmap(
+      await fetchColor(scan.get().scanId, token, sequence, signal),
+    );
     if (signal.aborted || scan.get().wayBack?.sequence !== sequence) return;
     this.drawnBack = sequence;
     back.show(image);

@@ -1,8 +1,9 @@
-// The exports of a scan that were made with options. The server keeps a limited number of them, so each can be removed here.
+// The exports of a scan that were made with options. The server keeps a limited number of them, so
+// each can be removed here.
 import { isMade, type ScanExport } from '../connection/exports';
 import { finishText } from '../state/text';
 import { t } from '../texts/texts';
-import { element } from './dom';
+import { buttonOf, element } from './dom';
 import { downloadRow, type DownloadRow } from './download_row';
 
 export interface MadeExports {
@@ -18,12 +19,23 @@ interface Choices {
 
 export function madeExports({ take, remove, textOf }: Choices): MadeExports {
   const list = element('div');
-  const node = element('div', { class: 'download-kind' }, element('h3', {}, t.madeWithOptions), list);
-  const rows = new Map<string, { readonly line: HTMLElement; readonly row: DownloadRow; readonly button: HTMLElement }>();
+  const node = element(
+    'div',
+    { class: 'download-kind' },
+    element('h3', {}, t.madeWithOptions),
+    list,
+  );
+  const rows = new Map<
+    string,
+    { readonly line: HTMLElement; readonly row: DownloadRow; readonly button: HTMLElement }
+  >();
   const add = (one: ScanExport): void => {
     const label = `${one.label}: ${finishText(one.finish)}`;
     const row = downloadRow(label, () => take(one.format), textOf);
-    const button = element('button', { type: 'button', class: 'button download-remove', 'aria-label': t.removeNamed(label) }, t.remove);
+    const button = buttonOf(t.remove, {
+      class: 'button download-remove',
+      'aria-label': t.removeNamed(label),
+    });
     button.addEventListener('click', () => remove(one.format));
     const line = element('div', { class: 'download-made' }, row.element, button);
     rows.set(one.format, { line, row, button });

@@ -4,7 +4,12 @@ import type { StatusText } from '../state/text';
 // A coloured dot and text; the text carries the meaning, the colour only helps.
 export function statusMark(): { element: HTMLElement; show(status: StatusText): void } {
   const text = element('span');
-  const node = element('span', { class: 'mark' }, element('span', { class: 'dot', 'aria-hidden': 'true' }), text);
+  const node = element(
+    'span',
+    { class: 'mark' },
+    element('span', { class: 'dot', 'aria-hidden': 'true' }),
+    text,
+  );
   return {
     element: node,
     show(status) {

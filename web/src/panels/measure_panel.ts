@@ -1,6 +1,13 @@
-// The tape measure: clicks on the scan, what lies between them with its interval, and those measurements that are kept.
+// The tape measure: clicks on the scan, what lies between them with its interval, and those
+// measurements that are kept.
 import { errorText } from '../connection/api';
-import { measure, measureKinds, type KeptMeasurement, type Measured, type MeasureKind } from '../connection/measurements';
+import {
+  measure,
+  measureKinds,
+  type KeptMeasurement,
+  type Measured,
+  type MeasureKind,
+} from '../connection/measurements';
 import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
 import {
@@ -15,7 +22,7 @@ import {
 } from '../state/measuring';
 import { createStore, type Store } from '../state/store';
 import { t } from '../texts/texts';
-import { element, setText, type Panel } from './dom';
+import { buttonOf, element, setText, type Panel } from './dom';
 import { KeptMeasurements } from './kept_measurements';
 import { segments } from './segments';
 import { onTap } from './tap';
@@ -54,7 +61,10 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
     canvas.classList.toggle('picking', state.active);
     node.parentElement?.classList.toggle('measuring', state.active);
     view.show(state, kept.mayChange ? kept : null);
-    scene.showMeasured(state.active ? [...state.kept, ...(state.newest ? [state.newest] : [])] : [], state.points);
+    scene.showMeasured(
+      state.active ? [...state.kept, ...(state.newest ? [state.newest] : [])] : [],
+      state.points,
+    );
   };
   const onKey = (event: KeyboardEvent): void => {
     const state = store.get();
@@ -79,7 +89,8 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
     store.subscribe(show),
     scan.subscribe((state) => {
       const ended = state.phase === 'finished' || state.phase === 'interrupted';
-      button.hidden = !ended || state.framesReceived === 0 || state.points === 0; // no camera has seen what was imported
+      // No camera has seen what was imported.
+      button.hidden = !ended || state.framesReceived === 0 || state.points === 0;
       if (button.hidden && store.get().active) begin(false);
     }),
   ];
@@ -96,14 +107,19 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
 
 // How clicks on the scan become a measurement.
 function picking({ scene, scan, token }: World, store: MeasuringStore) {
-  // The server is asked as soon as nothing is missing. What it says of points that are not asked for any more is none.
+  // The server is asked as soon as nothing is missing. What it says of points that are not
+  // asked for any more is none.
   const dispatch = (event: MeasuringEvent): void => {
     const before = store.get();
     store.dispatch(event);
     const { busy, measure: kind, points } = store.get();
     if (before.busy || !busy) return;
     const isAsked = (): boolean => store.get().busy && store.get().points === points;
-    measure(scan.get().scanId, token, { kind, points, ...(kind === 'height' ? { up: scene.up } : {}) }).then(
+    measure(scan.get().scanId, token, {
+      kind,
+      points,
+      ...(kind === 'height' ? { up: scene.up } : {}),
+    }).then(
       (measured) => isAsked() && store.dispatch({ kind: 'measured', measured }),
       (error) => isAsked() && store.dispatch({ kind: 'failed', message: errorText(error) }),
     );
@@ -112,7 +128,8 @@ function picking({ scene, scan, token }: World, store: MeasuringStore) {
     const state = store.get();
     if (!state.active || state.busy) return;
     const start = canClose(state) ? scene.screenOf(state.points[0]!) : null;
-    if (start && Math.hypot(x_px - start[0], y_px - start[1]) <= onFirstCorner_px) dispatch({ kind: 'closed' });
+    if (start && Math.hypot(x_px - start[0], y_px - start[1]) <= onFirstCorner_px)
+      dispatch({ kind: 'closed' });
     else dispatch({ kind: 'chosen', place: scene.placeAt(x_px, y_px) });
   };
   // The first click of a double click was a corner. Nothing else is to come of it.
@@ -135,22 +152,33 @@ type Changes = Pick<KeptMeasurements, 'keep' | 'remove'>;
 
 // What the panel is made of. Its `show` is given no changes for whoever may only look.
 function panelView(choose: (kind: MeasureKind) => void) {
-  const button = element(
-    'button',
-    { type: 'button', class: 'button', title: t.measuresDistancesHeightsAnglesAndAreas, 'aria-pressed': 'false' },
-    t.measure,
-  );
+  const button = buttonOf(t.measure, {
+    title: t.measuresDistancesHeightsAnglesAndAreas,
+    'aria-pressed': 'false',
+  });
   const choice = segments('measure-kind', t.whatIsMeasured, measureKinds, measureLabels, choose);
   const prompt = element('p', { class: 'measure-words', role: 'status' });
-  const undo = element('button', { type: 'button', class: 'button', title: t.takesTheLastPointBackBackspace }, t.undo);
-  const close = element('button', { type: 'button', class: 'button primary', title: t.connectsTheLastCornerWithThe }, t.closeTheOutline);
+  const undo = buttonOf(t.undo, { title: t.takesTheLastPointBackBackspace });
+  const close = buttonOf(t.closeTheOutline, {
+    class: 'button primary',
+    title: t.connectsTheLastCornerWithThe,
+  });
   const steps = element('div', { class: 'buttons' }, close, undo);
   const newest = element('div', { class: 'measure-newest' });
   const list = element('ul', { class: 'measure-list' });
-  const csv = element('button', { type: 'button', class: 'button' }, t.downloadCsv);
-  const done = element('button', { type: 'button', class: 'button' }, t.close);
+  const csv = buttonOf(t.downloadCsv);
+  const done = buttonOf(t.close);
   const ends = element('div', { class: 'buttons' }, csv, done);
-  const node = element('section', { class: 'card measure', 'aria-label': t.measure }, choice.element, prompt, steps, newest, list, ends);
+  const node = element(
+    'section',
+    { class: 'card measure', 'aria-label': t.measure },
+    choice.element,
+    prompt,
+    steps,
+    newest,
+    list,
+    ends,
+  );
   const show = (state: Measuring, changes: Changes | null): void => {
     node.hidden = !state.active;
     button.setAttribute('aria-pressed', String(state.active));
@@ -167,7 +195,11 @@ function panelView(choose: (kind: MeasureKind) => void) {
   return { node, button, undo, close, csv, done, show };
 }
 
-function newestRow(measured: Measured, kept: readonly KeptMeasurement[], changes: Changes | null): HTMLElement[] {
+function newestRow(
+  measured: Measured,
+  kept: readonly KeptMeasurement[],
+  changes: Changes | null,
+): HTMLElement[] {
   const value = element('strong', {}, measured.words);
   if (!changes) return [value];
   const name = element('input', {
@@ -178,7 +210,12 @@ function newestRow(measured: Measured, kept: readonly KeptMeasurement[], changes
     required: true,
     autocomplete: 'off',
   });
-  const form = element('form', {}, name, element('button', { type: 'submit', class: 'button primary' }, t.keep));
+  const form = element(
+    'form',
+    {},
+    name,
+    element('button', { type: 'submit', class: 'button primary' }, t.keep),
+  );
   form.addEventListener('submit', (event) => {
     event.preventDefault();
     if (name.value.trim() !== '') changes.keep(name.value.trim(), measured);
@@ -187,9 +224,18 @@ function newestRow(measured: Measured, kept: readonly KeptMeasurement[], changes
 }
 
 function rowOf(one: KeptMeasurement, changes: Changes | null): HTMLElement {
-  const row = element('li', {}, element('div', {}, element('span', { class: 'measure-name' }, one.name), element('span', {}, one.words)));
+  const row = element(
+    'li',
+    {},
+    element(
+      'div',
+      {},
+      element('span', { class: 'measure-name' }, one.name),
+      element('span', {}, one.words),
+    ),
+  );
   if (!changes) return row;
-  const button = element('button', { type: 'button', class: 'button', 'aria-label': t.removeNamed(one.name) }, '×');
+  const button = buttonOf('×', { 'aria-label': t.removeNamed(one.name) });
   button.addEventListener('click', () => changes.remove(one));
   row.append(button);
   return row;

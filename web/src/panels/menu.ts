@@ -1,5 +1,5 @@
 // A button that opens a short list of things to do. Closes by itself.
-import { element, type Panel } from './dom';
+import { buttonOf, element, type Panel } from './dom';
 
 export interface MenuItem {
   readonly label: string;
@@ -15,11 +15,12 @@ export interface Menu extends Panel {
 // `items` is asked whenever it opens. Without any the button is left out.
 export function menu(label: string, items: () => readonly MenuItem[]): Menu {
   const list = element('div', { class: 'card menu-list' });
-  const button = element(
-    'button',
-    { type: 'button', class: 'button menu-button', 'aria-label': label, 'aria-haspopup': 'true', 'aria-expanded': 'false' },
-    element('span', { 'aria-hidden': 'true' }, '⋯'),
-  );
+  const button = buttonOf(element('span', { 'aria-hidden': 'true' }, '⋯'), {
+    class: 'button menu-button',
+    'aria-label': label,
+    'aria-haspopup': 'true',
+    'aria-expanded': 'false',
+  });
   const node = element('div', { class: 'menu' }, button, list);
   list.hidden = true;
   const open = (on: boolean): void => {
@@ -58,11 +59,9 @@ export function menu(label: string, items: () => readonly MenuItem[]): Menu {
 }
 
 function rowOf(item: MenuItem, close: () => void): HTMLElement {
-  const row = element(
-    'button',
-    { type: 'button', class: `menu-row${item.bad ? ' bad' : ''}${item.phoneOnly ? ' phone-only' : ''}` },
-    item.label,
-  );
+  const row = buttonOf(item.label, {
+    class: `menu-row${item.bad ? ' bad' : ''}${item.phoneOnly ? ' phone-only' : ''}`,
+  });
   row.addEventListener('click', () => {
     close();
     item.do();

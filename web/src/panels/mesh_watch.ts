@@ -1,8 +1,14 @@
-// Gets the surface of a scan that has ended: asks the server to make it if nobody has, waits, loads it and puts it into the scene. After an edit
-// it does so again.
+// Gets the surface of a scan that has ended: asks the server to make it if nobody has, waits, loads
+// it and puts it into the scene. After an edit it does so again.
 import type { Object3D } from 'three';
 import { ApiError } from '../connection/api';
-import { fetchExport, fetchExports, requestExport, shownMesh, viewerMesh } from '../connection/exports';
+import {
+  fetchExport,
+  fetchExports,
+  requestExport,
+  shownMesh,
+  viewerMesh,
+} from '../connection/exports';
 import { thumbnails } from '../connection/thumbnails';
 import { loadMesh } from '../scene/mesh_loader';
 import type { ScanScene } from '../scene/scene';
@@ -39,7 +45,14 @@ export function watchMesh({ scan, scene, token, isEdited }: World): MeshWatch {
     if (!signal.aborted) timer = setTimeout(() => void step(signal), delay_ms);
   };
   const load = async (format: string, size_bytes: number, signal: AbortSignal): Promise<void> => {
-    const root = await surfaceOf({ scanId, token, format, size_bytes, signal, tell: (done) => tell({ state: 'loading', done }, signal) });
+    const root = await surfaceOf({
+      scanId,
+      token,
+      format,
+      size_bytes,
+      signal,
+      tell: (done) => tell({ state: 'loading', done }, signal),
+    });
     thumbnails.forget(scanId); // which comes with the mesh if it was edited
     if (!signal.aborted) tell({ state: 'shown', ...scene.showMesh(root) }, signal);
   };
@@ -50,7 +63,8 @@ export function watchMesh({ scan, scene, token, isEdited }: World): MeshWatch {
       const next = nextStep(mesh, asked);
       if (next.step === 'giveUp') tell({ state: 'failed', message: next.message }, signal);
       if (mesh && next.step === 'load') await load(mesh.format, next.size_bytes, signal);
-      if (next.step === 'wait') tell({ state: 'making', done: next.done, message: next.message }, signal);
+      if (next.step === 'wait')
+        tell({ state: 'making', done: next.done, message: next.message }, signal);
       if (next.step === 'ask' && !signal.aborted) {
         asked = true;
         await requestExport(scanId, viewerMesh, token);
@@ -93,7 +107,14 @@ interface Wanted {
   readonly tell: (done: number) => void; // the share that has come
 }
 
-async function surfaceOf({ scanId, token, format, size_bytes, signal, tell }: Wanted): Promise<Object3D> {
+async function surfaceOf({
+  scanId,
+  token,
+  format,
+  size_bytes,
+  signal,
+  tell,
+}: Wanted): Promise<Object3D> {
   tell(0);
   const came = (loaded_bytes: number): void => tell(loaded_bytes / Math.max(1, size_bytes));
   const blob = await fetchExport(scanId, format, token, came, signal);

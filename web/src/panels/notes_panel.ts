@@ -1,13 +1,30 @@
-// Notes: pins with text at places of the model. What others write meanwhile comes when the page is looked at again, and now and then.
+// Notes: pins with text at places of the model. What others write meanwhile comes when the page is
+// looked at again, and now and then.
 import { ApiError, errorText } from '../connection/api';
-import { changeNote, createNote, fetchNotes, removeNote, type Note, type NoteChange } from '../connection/notes';
+import {
+  changeNote,
+  createNote,
+  fetchNotes,
+  removeNote,
+  type Note,
+  type NoteChange,
+} from '../connection/notes';
 import { fetchAccess } from '../connection/scans';
 import { pinAt, type NotePin } from '../scene/note_layer';
 import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
 import { storeDraft } from '../state/note_drafts';
 import { saveDraft, type NoteServer } from '../state/note_saving';
-import { chosenNote, cleaned, heldText, isUnsaved, shownNotes, type Draft, type Noting, type NotingEvent } from '../state/noting';
+import {
+  chosenNote,
+  cleaned,
+  heldText,
+  isUnsaved,
+  shownNotes,
+  type Draft,
+  type Noting,
+  type NotingEvent,
+} from '../state/noting';
 import type { Store } from '../state/store';
 import { Trash } from '../state/trash';
 import { t } from '../texts/texts';
@@ -80,11 +97,20 @@ export function notesPanel({ canvas, scene, scan, store, token, opened }: World)
     view.show(state, removal.newest());
     scene.showNotes(pinsOf(state));
   };
-  onTap(canvas, (x_px, y_px) => tapped([x_px, y_px], scene, store, { choose, begun: view.focusText }));
+  onTap(canvas, (x_px, y_px) =>
+    tapped([x_px, y_px], scene, store, { choose, begun: view.focusText }),
+  );
   view.button.addEventListener('click', toggle);
   const look = (): void => void (store.get().active && list());
-  const stops = [store.subscribe(show), keepingText(scanId, store), whenSeen(look), onEscape(store, () => open(false))];
-  stops.push(whenThere({ scan, store, button: view.button, list, open }, () => choose(store.get().chosen)));
+  const stops = [
+    store.subscribe(show),
+    keepingText(scanId, store),
+    whenSeen(look),
+    onEscape(store, () => open(false)),
+  ];
+  stops.push(
+    whenThere({ scan, store, button: view.button, list, open }, () => choose(store.get().chosen)),
+  );
   return {
     element: view.node,
     button: view.button,
@@ -103,7 +129,12 @@ interface Tapping {
 }
 
 // A pin that was clicked is chosen; elsewhere a new note begins.
-function tapped(at_px: readonly [number, number], scene: ScanScene, store: NotingStore, { choose, begun }: Tapping): boolean {
+function tapped(
+  at_px: readonly [number, number],
+  scene: ScanScene,
+  store: NotingStore,
+  { choose, begun }: Tapping,
+): boolean {
   const state = store.get();
   if (!state.active) return false;
   const pin = pinAt(pinsOf(state), at_px, (place) => scene.screenOf(place));
@@ -126,9 +157,20 @@ function flyTo(scene: ScanScene, note: Note | null): void {
 function pinsOf(state: Noting): NotePin[] {
   if (!state.active) return [];
   const { draft, chosen } = state;
-  const pins = shownNotes(state).map(({ id, position_m, text }, i) => ({ position_m, number: i + 1, text: id === chosen ? text : '' }));
+  const pins = shownNotes(state).map(({ id, position_m, text }, i) => ({
+    position_m,
+    number: i + 1,
+    text: id === chosen ? text : '',
+  }));
   if (!draft || draft.of) return pins;
-  return [...pins, { position_m: draft.position_m, number: numberOf(draft, state), text: cleaned(draft.text) || t.newNote }];
+  return [
+    ...pins,
+    {
+      position_m: draft.position_m,
+      number: numberOf(draft, state),
+      text: cleaned(draft.text) || t.newNote,
+    },
+  ];
 }
 
 const serverOf = (scanId: string, token: string): NoteServer => ({
@@ -150,7 +192,8 @@ function listing(scanId: string, token: string, store: NotingStore): () => Promi
     const { notes: before } = store.get();
     return fetchNotes(scanId, token).then(
       (notes) => {
-        if (store.get().notes === before && !store.get().busy) store.dispatch({ kind: 'listed', notes });
+        if (store.get().notes === before && !store.get().busy)
+          store.dispatch({ kind: 'listed', notes });
       },
       (error) => store.dispatch({ kind: 'unlisted', message: errorText(error) }),
     );
@@ -172,7 +215,8 @@ function removing(scanId: string, token: string, store: NotingStore, list: () =>
       },
     },
     () => store.dispatch({ kind: 'away', ids: [...notes.keys()].filter((id) => trash.has(id)) }),
-    (_, error) => void list().then(() => store.dispatch({ kind: 'refused', message: errorText(error) })),
+    (_, error) =>
+      void list().then(() => store.dispatch({ kind: 'refused', message: errorText(error) })),
   );
   const onLeave = (): void => trash.emptyAll();
   addEventListener('pagehide', onLeave);
@@ -205,7 +249,8 @@ function whenSeen(look: () => void): () => void {
   };
 }
 
-// What is written is kept in this tab, and whoever closes or reloads the page before it is saved is asked. Returns how to stop.
+// What is written is kept in this tab, and whoever closes or reloads the page before it is saved is
+// asked. Returns how to stop.
 function keepingText(scanId: string, store: NotingStore): () => void {
   let kept: Draft | null = null;
   const ask = (event: BeforeUnloadEvent): void => event.preventDefault();
@@ -226,7 +271,14 @@ function keepingText(scanId: string, store: NotingStore): () => void {
 function onEscape(store: NotingStore, close: () => void): () => void {
   const onKey = (event: KeyboardEvent): void => {
     const { active, draft, chosen, busy } = store.get();
-    if (event.key !== 'Escape' || !active || busy || event.defaultPrevented || document.querySelector('dialog')) return;
+    if (
+      event.key !== 'Escape' ||
+      !active ||
+      busy ||
+      event.defaultPrevented ||
+      document.querySelector('dialog')
+    )
+      return;
     const message = heldText(draft);
     if (message !== '') store.dispatch({ kind: 'refused', message });
     else if (draft) store.dispatch({ kind: 'cancelled' });
@@ -245,8 +297,9 @@ interface Beginning {
   readonly open: (active: boolean) => void;
 }
 
-// Shows the button once the scan has ended and there is something to write on, with the number of notes. What was not saved when the page
-// was left is there again. `show`: the note of the address is there.
+// Shows the button once the scan has ended and there is something to write on, with the
+// number of notes. What was not saved when the page was left is there again. `show`: the note
+// of the address is there.
 function whenThere({ scan, store, button, list, open }: Beginning, show: () => void): () => void {
   let asked = false;
   button.hidden = true;

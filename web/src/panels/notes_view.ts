@@ -1,8 +1,9 @@
-// What the panel of notes is made of: the text that somebody writes, two texts to choose from, the list.
+// What the panel of notes is made of: the text that somebody writes, two texts
+// to choose from, the list.
 import type { Note } from '../connection/notes';
 import { chosenNote, notingText, shownNotes, type Draft, type Noting } from '../state/noting';
 import { locale, t } from '../texts/texts';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 
 export interface NoteActions {
   choose(id: string | null): void;
@@ -17,14 +18,18 @@ export interface NoteActions {
 }
 
 const act = (label: string, title: string, run: () => void, primary = false): HTMLButtonElement => {
-  const button = element('button', { type: 'button', class: primary ? 'button primary' : 'button', title }, label);
+  const button = buttonOf(label, { class: primary ? 'button primary' : 'button', title });
   button.addEventListener('click', run);
   return button;
 };
 
 export function notesView(actions: NoteActions) {
   const title = t.notesAtPlacesOfTheModel;
-  const button = element('button', { type: 'button', class: 'button notes-button', title, 'aria-pressed': 'false' }, t.notes);
+  const button = buttonOf(t.notes, {
+    class: 'button notes-button',
+    title,
+    'aria-pressed': 'false',
+  });
   const prompt = element('p', { class: 'notes-words', role: 'status' });
   const writing = writingView(actions);
   const list = listView(actions);
@@ -37,7 +42,15 @@ export function notesView(actions: NoteActions) {
   );
   const done = act(t.close, t.closesTheNotesEscape, () => actions.close());
   const foot = element('div', { class: 'buttons notes-foot' }, done);
-  const node = element('section', { class: 'card notes', 'aria-label': t.notes }, prompt, writing.node, list.node, undo, foot);
+  const node = element(
+    'section',
+    { class: 'card notes', 'aria-label': t.notes },
+    prompt,
+    writing.node,
+    list.node,
+    undo,
+    foot,
+  );
   // `removedNumber`: of the note that was removed a moment ago; null: none was.
   const show = (state: Noting, removedNumber: number | null): void => {
     const count = shownNotes(state).length;
@@ -50,7 +63,8 @@ export function notesView(actions: NoteActions) {
     const ends = state.active && !state.draft && !writing.node.hidden && isFree;
     writing.show(state);
     list.show(state);
-    if (ends) (list.node.querySelector<HTMLElement>('[aria-current]') ?? done).focus(); // what had the focus is hidden now
+    // What had the focus is hidden now.
+    if (ends) (list.node.querySelector<HTMLElement>('[aria-current]') ?? done).focus();
     undo.hidden = removedNumber === null;
     setText(removed, removedNumber === null ? '' : t.noteIsRemoved(removedNumber));
   };
@@ -59,9 +73,18 @@ export function notesView(actions: NoteActions) {
 
 function writingView(actions: NoteActions) {
   const label = element('label', { for: 'note-text' });
-  const text = element('textarea', { id: 'note-text', rows: 4, 'aria-describedby': 'note-readers' });
+  const text = element('textarea', {
+    id: 'note-text',
+    rows: 4,
+    'aria-describedby': 'note-readers',
+  });
   const theirs = element('p', { class: 'note-whole' });
-  const both = element('div', { class: 'notes-conflict' }, element('p', { class: 'notes-small' }, t.theTextOfSomebodyElse), theirs);
+  const both = element(
+    'div',
+    { class: 'notes-conflict' },
+    element('p', { class: 'notes-small' }, t.theTextOfSomebodyElse),
+    theirs,
+  );
   const save = act(t.save, t.savesTheTextCtrlAndEnter, () => actions.save(), true);
   const cancel = act(t.cancel, t.keepsNothingOfWhatIsWritten, () => actions.cancel());
   const saving = element('div', { class: 'buttons' }, save, cancel);
@@ -72,8 +95,21 @@ function writingView(actions: NoteActions) {
     act(t.keepTheirs, t.yourTextIsThrownAway, () => actions.resolve('theirs')),
     act(t.keepBoth, t.oneAfterTheOtherAsTwo, () => actions.resolve('both')),
   );
-  const readers = element('p', { class: 'notes-small', id: 'note-readers' }, t.everybodyWhoSeesThisScanCan);
-  const node = element('div', { class: 'notes-writing' }, both, label, text, readers, saving, choosing);
+  const readers = element(
+    'p',
+    { class: 'notes-small', id: 'note-readers' },
+    t.everybodyWhoSeesThisScanCan,
+  );
+  const node = element(
+    'div',
+    { class: 'notes-writing' },
+    both,
+    label,
+    text,
+    readers,
+    saving,
+    choosing,
+  );
   node.hidden = true;
   text.addEventListener('input', () => actions.type(text.value));
   text.addEventListener('keydown', (event) => {
@@ -87,7 +123,8 @@ function writingView(actions: NoteActions) {
     if (!draft) return;
     setText(label, draft.theirs ? t.yourText : t.noteNumber(numberOf(draft, state)));
     if (text.value !== draft.text) text.value = draft.text;
-    const fails = text.readOnly && !busy && document.activeElement === document.body; // a button that is disabled loses the focus
+    // A button that is disabled loses the focus.
+    const fails = text.readOnly && !busy && document.activeElement === document.body;
     text.readOnly = save.disabled = cancel.disabled = busy;
     if (fails) text.focus();
     both.hidden = choosing.hidden = !draft.theirs;
@@ -114,20 +151,45 @@ function listView(actions: NoteActions) {
     const known = [notes, away, chosen, mayWrite];
     if (known.every((one, i) => one === shown[i])) return;
     shown = known;
-    const focused = node.contains(document.activeElement) ? document.activeElement?.getAttribute('data-key') : null;
-    node.replaceChildren(...shownNotes(state).map((note, i) => rowOf(note, i + 1, note.id === chosen, mayWrite, actions)));
+    const focused = node.contains(document.activeElement)
+      ? document.activeElement?.getAttribute('data-key')
+      : null;
+    node.replaceChildren(
+      ...shownNotes(state).map((note, i) =>
+        rowOf(note, i + 1, note.id === chosen, mayWrite, actions),
+      ),
+    );
     if (focused) node.querySelector<HTMLElement>(`[data-key="${CSS.escape(focused)}"]`)?.focus();
-    if (chosenNote(state)) node.querySelector('[aria-current]')?.scrollIntoView({ block: 'nearest' });
+    if (chosenNote(state))
+      node.querySelector('[aria-current]')?.scrollIntoView({ block: 'nearest' });
   };
   return { node, show };
 }
 
-function rowOf(note: Note, number: number, isChosen: boolean, mayChange: boolean, actions: NoteActions): HTMLElement {
+function rowOf(
+  note: Note,
+  number: number,
+  isChosen: boolean,
+  mayChange: boolean,
+  actions: NoteActions,
+): HTMLElement {
   const choose = element(
     'button',
-    { type: 'button', class: 'note-choose', 'data-key': note.id, 'aria-current': isChosen ? 'true' : null },
-    element('span', { class: 'note-number' }, element('span', { class: 'unseen' }, t.noteBefore), String(number)),
-    isChosen ? element('span', { class: 'notes-small' }, changedText(note)) : element('span', { class: 'note-start' }, note.text),
+    {
+      type: 'button',
+      class: 'note-choose',
+      'data-key': note.id,
+      'aria-current': isChosen ? 'true' : null,
+    },
+    element(
+      'span',
+      { class: 'note-number' },
+      element('span', { class: 'unseen' }, t.noteBefore),
+      String(number),
+    ),
+    isChosen
+      ? element('span', { class: 'notes-small' }, changedText(note))
+      : element('span', { class: 'note-start' }, note.text),
   );
   choose.addEventListener('click', () => actions.choose(note.id));
   if (!isChosen) return element('li', {}, choose);
@@ -135,7 +197,13 @@ function rowOf(note: Note, number: number, isChosen: boolean, mayChange: boolean
   if (!mayChange) return element('li', { class: 'chosen' }, choose, whole);
   const edit = act(t.edit, t.changesTheText, () => actions.edit());
   const remove = act(t.remove, t.removesTheNoteItCanBe, () => actions.remove(note, number));
-  return element('li', { class: 'chosen' }, choose, whole, element('div', { class: 'buttons' }, edit, remove));
+  return element(
+    'li',
+    { class: 'chosen' },
+    choose,
+    whole,
+    element('div', { class: 'buttons' }, edit, remove),
+  );
 }
 
 function changedText({ changed }: Note): string {

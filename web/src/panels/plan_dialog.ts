@@ -1,9 +1,10 @@
-// The floor plan of a scan that has ended: made by the server when somebody asks for it first, shown, and taken away as a drawing.
+// The floor plan of a scan that has ended: made by the server when somebody asks for it first,
+// shown, and taken away as a drawing.
 import { ApiError, errorText, fileNameOf, saveAs } from '../connection/api';
 import { fetchExport, fetchExports, requestExport } from '../connection/exports';
 import { t } from '../texts/texts';
 import { openDialog } from './dialogs';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 import { zoomable } from './zoomable';
 
 const pollEvery_ms = 1_000;
@@ -18,9 +19,9 @@ export function showFloorPlan(scanId: string, title: string, token: string): voi
   const notice = element('p', { role: 'status' }, t.thePlanIsBeingMade);
   const picture = element('img', { class: 'plan', alt: t.floorPlanOf(title), draggable: 'false' });
   const frame = zoomable(picture, t.wholePlan);
-  const done = element('button', { type: 'button', class: 'button primary' }, t.close);
+  const done = buttonOf(t.close, { class: 'button primary' });
   const buttons = files.map(({ format, ending, label, hint }) => {
-    const button = element('button', { type: 'button', class: 'button', title: hint }, label);
+    const button = buttonOf(label, { title: hint });
     button.addEventListener('click', () => {
       button.disabled = true;
       made(scanId, format, token, stop.signal)
@@ -30,8 +31,19 @@ export function showFloorPlan(scanId: string, title: string, token: string): voi
     });
     return button;
   });
-  const take = element('span', { class: 'section-files' }, element('span', {}, t.download), ...buttons);
-  const content = element('div', { class: 'planning' }, notice, frame, element('div', { class: 'dialog-buttons' }, take, done));
+  const take = element(
+    'span',
+    { class: 'section-files' },
+    element('span', {}, t.download),
+    ...buttons,
+  );
+  const content = element(
+    'div',
+    { class: 'planning' },
+    notice,
+    frame,
+    element('div', { class: 'dialog-buttons' }, take, done),
+  );
   const stop = new AbortController();
   const close = openDialog(t.floorPlan, content);
   const say = (error: unknown): void => {
@@ -55,7 +67,12 @@ export function showFloorPlan(scanId: string, title: string, token: string): voi
 }
 
 // Throws what the server says if it cannot be made.
-async function made(scanId: string, format: string, token: string, signal: AbortSignal): Promise<Blob> {
+async function made(
+  scanId: string,
+  format: string,
+  token: string,
+  signal: AbortSignal,
+): Promise<Blob> {
   let one = await requestExport(scanId, format, token);
   while (one.state !== 'ready') {
     if (one.state === 'failed') throw new ApiError(one.words || t.failed, false);

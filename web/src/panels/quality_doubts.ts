@@ -23,7 +23,10 @@ interface Recording {
 // The worst have images, the others a line each.
 export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): HTMLElement {
   const byWorth = [...doubts].sort(
-    (a, b) => Number(b.follow === 'lost') - Number(a.follow === 'lost') || b.lost_s - a.lost_s || b.weak_s - a.weak_s,
+    (a, b) =>
+      Number(b.follow === 'lost') - Number(a.follow === 'lost') ||
+      b.lost_s - a.lost_s ||
+      b.weak_s - a.weak_s,
   );
   const worst = new Set(byWorth.slice(0, most_images));
   const rows = doubts.filter((doubt) => worst.has(doubt)).map((doubt) => rowOf(doubt, recording));
@@ -33,10 +36,21 @@ export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): H
     'details',
     { class: 'more-doubts' },
     element('summary', {}, others.length === 1 ? t.oneMorePlace : t.morePlaces(others.length)),
-    element('ul', {}, ...others.map((doubt) => element('li', {}, linkOf(doubt, recording.scanId), ` ${textOf(doubt, recording)}`))),
+    element(
+      'ul',
+      {},
+      ...others.map((doubt) =>
+        element('li', {}, linkOf(doubt, recording.scanId), ` ${textOf(doubt, recording)}`),
+      ),
+    ),
   );
   more.hidden = others.length === 0;
-  return element('div', {}, element('ol', { class: 'doubts' }, ...rows.map(({ node }) => node)), more);
+  return element(
+    'div',
+    {},
+    element('ol', { class: 'doubts' }, ...rows.map(({ node }) => node)),
+    more,
+  );
 }
 
 // One after the other: the server asks to wait when it is asked for many at once.
@@ -45,14 +59,21 @@ async function showAll(shows: readonly (() => Promise<void>)[]): Promise<void> {
 }
 
 function linkOf({ from_s, to_s, middle }: Doubt, scanId: string): HTMLElement {
-  return element('a', { href: frameHash(scanId, middle), title: t.theImagesOfTheCameraAt }, t.fromTo(clockText(from_s), clockText(to_s)));
+  return element(
+    'a',
+    { href: frameHash(scanId, middle), title: t.theImagesOfTheCameraAt },
+    t.fromTo(clockText(from_s), clockText(to_s)),
+  );
 }
 
 function textOf(doubt: Doubt, { list }: Recording): string {
   return [`${doubtText(doubt)}.`, sentence(reasonOf(list, doubt))].join(' ').trim();
 }
 
-function rowOf(doubt: Doubt, recording: Recording): { readonly node: HTMLElement; readonly show: () => Promise<void> } {
+function rowOf(
+  doubt: Doubt,
+  recording: Recording,
+): { readonly node: HTMLElement; readonly show: () => Promise<void> } {
   const { scanId, token, signal } = recording;
   const figure = frameImage(t.colourImageOfFrame(doubt.middle), t.frameNumber(doubt.middle));
   figure.show(t.loadingNow);
@@ -82,7 +103,10 @@ function rowOf(doubt: Doubt, recording: Recording): { readonly node: HTMLElement
 // 0 is black, 1 white.
 function brightnessOf(image: ImageBitmap): number {
   const side = 16;
-  const drawing = Object.assign(document.createElement('canvas'), { width: side, height: side }).getContext('2d', {
+  const drawing = Object.assign(document.createElement('canvas'), {
+    width: side,
+    height: side,
+  }).getContext('2d', {
     willReadFrequently: true,
   })!;
   drawing.drawImage(image, 0, 0, side, side);

@@ -18,23 +18,40 @@ const viewNames: Record<ViewName, string> = {
 export function factList(facts: readonly Fact[]): HTMLElement {
   const rows = facts
     .filter(([, value]) => value !== null)
-    .map(([label, value]) => element('div', {}, element('dt', {}, label), element('dd', {}, value)));
+    .map(([label, value]) =>
+      element('div', {}, element('dt', {}, label), element('dd', {}, value)),
+    );
   return element('dl', { class: 'quality-facts' }, ...rows);
 }
 
 // `parts`: that the model is in, not joined.
-export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, images, confidence }: ModelLook, parts: number): HTMLElement {
-  const [along_m, up_m, across_m] = extent.low_m.map((low, k) => extent.high_m[k]! - low) as [number, number, number];
+export function modelSection(
+  { extent, extentOf, hasWalls, figures, hasPath, images, confidence }: ModelLook,
+  parts: number,
+): HTMLElement {
+  const [along_m, up_m, across_m] = extent.low_m.map((low, k) => extent.high_m[k]! - low) as [
+    number,
+    number,
+    number,
+  ];
   const [plan, ...sides] = images;
   const within = `${decimal(100 * (1 - 2 * strayShare), 0)} %`;
   return element(
     'div',
     {},
     factList([
-      [t.extent, t.extentOfTheModel(metresText(along_m, 2), metresText(across_m, 2), metresText(up_m, 2))],
+      [
+        t.extent,
+        t.extentOfTheModel(metresText(along_m, 2), metresText(across_m, 2), metresText(up_m, 2)),
+      ],
       [t.areaOfTheSurface, figures && areaText(figures.area_m2)],
       [t.groundPlan, figures?.plan_m2 ? areaText(figures.plan_m2) : null],
-      [t.floorSeen, figures && figures.floorShare !== null ? t.ofTheGroundPlan(percentText(figures.floorShare)) : null],
+      [
+        t.floorSeen,
+        figures && figures.floorShare !== null
+          ? t.ofTheGroundPlan(percentText(figures.floorShare))
+          : null,
+      ],
       [t.lowConfidence, confidence && t.ofThePoints(percentText(confidence.lowShare))],
     ]),
     note(
@@ -45,7 +62,11 @@ export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, ima
         : extentOf === 'surface'
           ? t.inEachDirectionOfTheSurface(within)
           : t.inEachDirectionOfThePoints(within),
-      figures ? (figures.plan_m2 === null ? t.theModelIsTooLargeFor : t.theGroundPlanIsAllSquares(lengthText(planSquare_m))) : '',
+      figures
+        ? figures.plan_m2 === null
+          ? t.theModelIsTooLargeFor
+          : t.theGroundPlanIsAllSquares(lengthText(planSquare_m))
+        : '',
       figures && figures.floorShare !== null ? t.theLowestLevelSurfaceOfSome : '',
       t.placesThatNobodyHasLookedAt,
     ),
@@ -58,7 +79,11 @@ export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, ima
     ),
     note(
       t.allPicturesHaveTheSameScale,
-      hasPath ? (hasWalls ? t.aheadIsWhereTheCameraLookedTurned : t.aheadIsWhereTheCameraLooked) : '',
+      hasPath
+        ? hasWalls
+          ? t.aheadIsWhereTheCameraLookedTurned
+          : t.aheadIsWhereTheCameraLooked
+        : '',
       hasPath ? t.theLineIsThePathOf : '',
       confidence ? t.confidenceGrowsWithEveryFrame : '',
     ),

@@ -1,5 +1,5 @@
-// The quality of one scan as a page to print: what became of its frames, where the camera was lost, and images of the model. It says what the server and
-// the model tell, and leaves out the rest.
+// The quality of one scan as a page to print: what became of its frames, where the camera was lost,
+// and images of the model. It says what the server and the model tell, and leaves out the rest.
 import { ApiError, errorText, fetchScan, type ScanSummary } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { fetchFrames, fetchPath, type FrameList } from '../connection/frames';
@@ -8,7 +8,12 @@ import { orMissing, patiently } from '../connection/patience';
 import { fetchAccess, fetchReport, type Report } from '../connection/scans';
 import { ModelImages, NoWebGl } from '../scene/model_images';
 import { pathOf, type CameraPath } from '../state/camera_path';
-import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
+import {
+  initialLiveScan,
+  reduceLiveScan,
+  type LiveScan,
+  type LiveScanEvent,
+} from '../state/live_scan';
 import { isMeshSettled, meshText } from '../state/mesh';
 import { frameShares, mapFacts, scanFacts, statesUncertainty } from '../state/quality_facts';
 import { followedOf, qualityText, type Followed } from '../state/quality_text';
@@ -19,7 +24,7 @@ import { storedUp } from '../state/up_choice';
 import { emptyText, partsText, sentence, soFarText, trackingText } from '../state/text';
 import { t } from '../texts/texts';
 import { showHelp } from './dialogs';
-import { element, setText, type Panel } from './dom';
+import { buttonOf, element, setText, type Panel } from './dom';
 import { watchMesh } from './mesh_watch';
 import { qualityDoubts } from './quality_doubts';
 import { factList, modelSection } from './quality_model';
@@ -41,7 +46,12 @@ export function qualityPage(scanId: string, token: string): QualityPage {
   const parts = partsOf(scanId, token);
   const images = new ModelImages(storedUp(ofThisBrowser, scanId));
   const onEvent = (event: ScanEvent): void => images.onEvent(event);
-  const link = new ScanLink({ scanId, token, watch: { points: false, mesh: false }, onEvent: receiver(scan.dispatch, onEvent) });
+  const link = new ScanLink({
+    scanId,
+    token,
+    watch: { points: false, mesh: false },
+    onEvent: receiver(scan.dispatch, onEvent),
+  });
   const mesh = watchMesh({ scan, scene: images, token, isEdited: async () => false });
   const told = new ToldScan(scanId, token, ended.signal, parts);
   const draw = once(() => showModel(parts.model, images, scan.get().followed?.parts ?? 1));
@@ -62,11 +72,23 @@ export function qualityPage(scanId: string, token: string): QualityPage {
     const isSettled = isMeshSettled(state);
     if (isSettled && isLoaded) draw();
     else if (!isSettled)
-      parts.model.replaceChildren(element('p', { class: 'quality-note', role: 'status' }, meshText(state.mesh, true) || t.loadingTheModel));
+      parts.model.replaceChildren(
+        element(
+          'p',
+          { class: 'quality-note', role: 'status' },
+          meshText(state.mesh, true) || t.loadingTheModel,
+        ),
+      );
   };
   const unsubscribe = scan.subscribe(refresh);
   const onKey = (event: KeyboardEvent): void => {
-    if (event.target instanceof HTMLInputElement || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey)
+    if (
+      event.target instanceof HTMLInputElement ||
+      document.querySelector('dialog') ||
+      event.ctrlKey ||
+      event.metaKey ||
+      event.altKey
+    )
       return;
     if (event.key === 'q') location.hash = hashOf(scanId);
     if (event.key === '?') showHelp();
@@ -87,7 +109,8 @@ export function qualityPage(scanId: string, token: string): QualityPage {
 }
 
 const hasEnded = ({ connection, phase }: LiveScan): boolean =>
-  connection === 'closed' && (phase === 'finished' || phase === 'interrupted' || phase === 'failed');
+  connection === 'closed' &&
+  (phase === 'finished' || phase === 'interrupted' || phase === 'failed');
 
 function once(act: () => void): () => void {
   let done = false;
@@ -102,12 +125,13 @@ type Parts = ReturnType<typeof partsOf>;
 
 function partsOf(scanId: string, token: string) {
   const title = element('h1', {}, t.qualityOfAScan);
-  const summary = element('p', { class: 'lead' }); // not read aloud whenever it changes: of a running scan it does so all the time
+  // The summary of a running scan changes all the time, so that it is not read aloud when it does.
+  const summary = element('p', { class: 'lead' });
   const notice = element('p', { class: 'notice', role: 'status' });
   const problem = element('span', { class: 'problem', role: 'alert' });
   const share = shareButton(scanId, token, problem, () => qualityHash(scanId).split('?')[1]!);
   share.hidden = true;
-  const print = element('button', { type: 'button', class: 'button', title: t.alsoAsAPdf }, t.print);
+  const print = buttonOf(t.print, { title: t.alsoAsAPdf });
   print.addEventListener('click', () => window.print());
   const back = element(
     'a',
@@ -115,8 +139,22 @@ function partsOf(scanId: string, token: string) {
     element('span', { 'aria-hidden': 'true' }, '←'),
     ` ${t.backToTheModel}`,
   );
-  const bar = element('header', { class: 'quality-bar' }, back, element('span', { class: 'space' }), problem, share, print);
-  const [facts, camera, doubts, model, map] = [element('div'), element('div'), element('div'), element('div'), element('div')];
+  const bar = element(
+    'header',
+    { class: 'quality-bar' },
+    back,
+    element('span', { class: 'space' }),
+    problem,
+    share,
+    print,
+  );
+  const [facts, camera, doubts, model, map] = [
+    element('div'),
+    element('div'),
+    element('div'),
+    element('div'),
+    element('div'),
+  ];
   const sections = [
     sectionOf(t.theCamera, camera),
     sectionOf(t.whereItWasLostOrDoubtful, doubts),
@@ -124,7 +162,16 @@ function partsOf(scanId: string, token: string) {
     sectionOf(t.theMap, map),
   ];
   for (const section of sections) section.hidden = true;
-  const node = element('main', { class: 'quality-page' }, bar, title, summary, notice, facts, ...sections);
+  const node = element(
+    'main',
+    { class: 'quality-page' },
+    bar,
+    title,
+    summary,
+    notice,
+    facts,
+    ...sections,
+  );
   return { node, title, summary, notice, share, print, facts, camera, doubts, model, map };
 }
 
@@ -138,13 +185,24 @@ function fill(content: HTMLElement, ...children: Node[]): void {
 }
 
 // What the connection says, at the top of the page.
-function showState({ title, summary, notice, print, model }: Parts, state: LiveScan, gone: boolean): void {
+function showState(
+  { title, summary, notice, print, model }: Parts,
+  state: LiveScan,
+  gone: boolean,
+): void {
   setText(title, state.title || t.qualityOfAScan);
   document.title = state.title ? t.qualityOf(state.title) : 'Hermite';
-  setText(summary, [summaryText(state), sentence(state.phaseText)].filter((part) => part !== '').join(' '));
+  setText(
+    summary,
+    [summaryText(state), sentence(state.phaseText)].filter((part) => part !== '').join(' '),
+  );
   const known = state.phase !== 'unknown';
   print.hidden = !known || state.phase === 'running';
-  const said = gone ? t.thisScanHasBeenDeleted : known ? runningText(state) : (emptyText(state) ?? '');
+  const said = gone
+    ? t.thisScanHasBeenDeleted
+    : known
+      ? runningText(state)
+      : (emptyText(state) ?? '');
   setText(notice, said);
   notice.hidden = said === '';
   model.parentElement!.hidden = !hasEnded(state);
@@ -154,7 +212,8 @@ function summaryText(state: LiveScan): string {
   const { phase, followed, framesReceived, tracking } = state;
   if (phase === 'finished' && framesReceived === 0) return t.thisModelWasImportedNoCamera;
   if (phase !== 'running') return followed ? qualityText(followed, state.phaseText) : '';
-  const now = tracking === 'tracked' ? t.theCameraIsBeingFollowed : sentence(trackingText(state).text);
+  const now =
+    tracking === 'tracked' ? t.theCameraIsBeingFollowed : sentence(trackingText(state).text);
   return [now, soFarText(state), partsText(state)].filter((part) => part !== '').join(' ');
 }
 
@@ -166,15 +225,28 @@ function runningText({ connection, phase }: LiveScan): string {
 function showModel(node: HTMLElement, images: ModelImages, parts: number): void {
   try {
     const look = images.draw();
-    fill(node, look ? modelSection(look, parts) : element('p', { class: 'quality-note' }, t.thereIsNoModelNothingWas));
+    fill(
+      node,
+      look
+        ? modelSection(look, parts)
+        : element('p', { class: 'quality-note' }, t.thereIsNoModelNothingWas),
+    );
   } catch (error) {
     const isOld = error instanceof NoWebGl;
     if (!isOld) console.error(error); // a mistake of ours
-    fill(node, element('p', { class: 'quality-note' }, isOld ? t.thisBrowserCannotShow3dPictures : t.thePicturesOfTheModelCould));
+    fill(
+      node,
+      element(
+        'p',
+        { class: 'quality-note' },
+        isOld ? t.thisBrowserCannotShow3dPictures : t.thePicturesOfTheModelCould,
+      ),
+    );
   }
 }
 
-// What the server tells of the scan besides the model, each part by itself: what is missing is left out or said.
+// What the server tells of the scan besides the model, each part by itself: what is
+// missing is left out or said.
 class ToldScan {
   gone = false;
   private summary: ScanSummary | null = null;
@@ -191,7 +263,8 @@ class ToldScan {
   async watch(scan: ScanStore): Promise<void> {
     while (!this.signal.aborted && !this.gone) {
       try {
-        if (document.visibilityState === 'visible') this.summary = await fetchScan(this.scanId, this.token);
+        if (document.visibilityState === 'visible')
+          this.summary = await fetchScan(this.scanId, this.token);
         if (this.signal.aborted) return;
         this.showFacts();
       } catch (error) {
@@ -211,16 +284,24 @@ class ToldScan {
     this.parts.share.hidden = !(access?.view && access.scan);
     if (scan.get().framesReceived === 0) return; // imported
     const [told, list, path] = await Promise.all([
-      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) => errorText(error, t.itCannotBeRead)),
+      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) =>
+        errorText(error, t.itCannotBeRead),
+      ),
       access?.shared
         ? 'shared'
-        : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) => errorText(error, t.theFramesCouldNotBeLoaded)),
+        : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) =>
+            errorText(error, t.theFramesCouldNotBeLoaded),
+          ),
       patiently(() => fetchPath(scanId, token, signal), signal).catch(() => ''),
     ]);
     if (signal.aborted) return;
     this.path = pathOf(path);
     const report = typeof told === 'string' ? null : told;
-    const followed = followedOf(report, typeof list === 'string' ? null : list, typeof told === 'string' ? told : '');
+    const followed = followedOf(
+      report,
+      typeof list === 'string' ? null : list,
+      typeof told === 'string' ? told : '',
+    );
     if (report) scan.dispatch({ kind: 'report', report });
     scan.dispatch({ kind: 'followed', followed });
     this.showFacts();
@@ -229,7 +310,8 @@ class ToldScan {
   }
 
   private showFacts(): void {
-    if (this.summary) this.parts.facts.replaceChildren(factList(scanFacts(this.summary, this.path)));
+    if (this.summary)
+      this.parts.facts.replaceChildren(factList(scanFacts(this.summary, this.path)));
   }
 
   private showCamera(followed: Followed, list: FrameList | string): void {
@@ -249,18 +331,28 @@ class ToldScan {
       fill(this.parts.camera, legend, note(list === 'shared' ? t.thisLinkShowsTheModelAnd : list));
       return;
     }
-    const strip = followed.stretches && qualityStrip(list, followed.stretches, (frame) => (location.hash = frameHash(scanId, frame)));
+    const strip =
+      followed.stretches &&
+      qualityStrip(list, followed.stretches, (frame) => (location.hash = frameHash(scanId, frame)));
     fill(
       this.parts.camera,
       ...(strip
-        ? [strip, legend, element('p', { class: 'quality-note on-screen' }, t.aClickIntoTheStripOpens)]
+        ? [
+            strip,
+            legend,
+            element('p', { class: 'quality-note on-screen' }, t.aClickIntoTheStripOpens),
+          ]
         : [legend, note(t.theListOfFramesDoesNot)]),
     );
     const { doubts } = followed;
     if (!doubts || doubts.length === 0) return;
     const isExplained = list.reasons.some((reason) => reason !== '');
     const why = isExplained ? t.theReasonOfAPlaceIs : t.whyTheCameraWasLostIs;
-    fill(this.parts.doubts, qualityDoubts(doubts, { scanId, token, signal, list }), note(`${why} ${t.whatIsSaidOfAnImage}`));
+    fill(
+      this.parts.doubts,
+      qualityDoubts(doubts, { scanId, token, signal, list }),
+      note(`${why} ${t.whatIsSaidOfAnImage}`),
+    );
   }
 
   private showMap(report: Report): void {
@@ -269,7 +361,11 @@ class ToldScan {
       ...(statesUncertainty(report) ? [t.positionAndDirectionAtTheEnd] : []),
       t.nothingHereWasComparedWith,
     ];
-    fill(this.parts.map, factList(mapFacts(report)), element('p', { class: 'quality-note' }, sentences.join(' ')));
+    fill(
+      this.parts.map,
+      factList(mapFacts(report)),
+      element('p', { class: 'quality-note' }, sentences.join(' ')),
+    );
   }
 }
 

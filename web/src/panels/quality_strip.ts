@@ -1,4 +1,5 @@
-// The recording as a strip over time: where the camera was followed, doubtful and lost. A click leads to that moment.
+// The recording as a strip over time: where the camera was followed, doubtful and lost. A
+// click leads to that moment.
 import type { FrameList } from '../connection/frames';
 import { clockText } from '../state/quantities';
 import { frameAt, stripOf, unusedShares, type Follow, type Stretch } from '../state/stretches';
@@ -29,7 +30,11 @@ function drawn<Tag extends keyof SVGElementTagNameMap>(
   return node;
 }
 
-export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go: (frame: number) => void): HTMLElement {
+export function qualityStrip(
+  list: FrameList,
+  stretches: readonly Stretch[],
+  go: (frame: number) => void,
+): HTMLElement {
   const whole_s = stretches.at(-1)?.to_s ?? 0;
   const pieces = stripOf(stretches, most_pieces);
   const unused = unusedShares(list, whole_s, most_bars);
@@ -44,7 +49,13 @@ export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go:
     const width = Math.max(follow === 'tracked' ? 0 : least, (to - from) * length);
     const x = Math.min(length - width, from * length);
     image.append(
-      drawn('rect', { x: x.toFixed(2), width: width.toFixed(2), y: tops[follow], height: bottom - tops[follow], class: `strip-${follow}` }),
+      drawn('rect', {
+        x: x.toFixed(2),
+        width: width.toFixed(2),
+        y: tops[follow],
+        height: bottom - tops[follow],
+        class: `strip-${follow}`,
+      }),
     );
   }
   unused.forEach((share, bar) => {
@@ -85,6 +96,7 @@ export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go:
 }
 
 function textOf(stretches: readonly Stretch[]): string {
-  const number = (follow: Follow): number => stretches.filter((stretch) => stretch.follow === follow).length;
+  const number = (follow: Follow): number =>
+    stretches.filter((stretch) => stretch.follow === follow).length;
   return t.stripOverTimeWith(number('weak'), number('lost'));
 }

@@ -1,15 +1,16 @@
-// What a person does with a scan, wherever it stands: another title, tags, away with it. What was deleted can be taken back for a few seconds.
+// What a person does with a scan, wherever it stands: another title, tags, away with it. What was
+// deleted can be taken back for a few seconds.
 import { ApiError } from '../connection/api';
 import { deleteScan, labelScan } from '../connection/scans';
 import { Trash } from '../state/trash';
 import { t } from '../texts/texts';
 import { askForTags, askForTitle } from './dialogs';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 
 const problemFor_ms = 8_000;
 
 const message = element('span');
-const undo = element('button', { type: 'button', class: 'button' }, t.undo);
+const undo = buttonOf(t.undo);
 const toast = element('div', { class: 'card toast', role: 'status' }, message, undo);
 toast.hidden = true;
 let problemUntil: ReturnType<typeof setTimeout> | undefined;
@@ -48,14 +49,24 @@ export function deleteSoon(id: string, title: string, token: string): void {
   trash.put({ id, title });
 }
 
-export function rename(id: string, title: string, token: string, renamed: (title: string) => void): void {
+export function rename(
+  id: string,
+  title: string,
+  token: string,
+  renamed: (title: string) => void,
+): void {
   askForTitle(title, async (wanted) => {
     if (wanted !== title) await labelScan(id, { title: wanted }, token);
     renamed(wanted);
   });
 }
 
-export function changeTags(id: string, tags: readonly string[], token: string, changed: () => void): void {
+export function changeTags(
+  id: string,
+  tags: readonly string[],
+  token: string,
+  changed: () => void,
+): void {
   askForTags(tags, async (wanted) => {
     await labelScan(id, { tags: wanted }, token);
     changed();

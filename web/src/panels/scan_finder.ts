@@ -2,10 +2,15 @@
 import type { ScanSummary } from '../connection/api';
 import { found, sorted, sortNames, tagged, tagsOf, type SortName } from '../state/scan_list';
 import { t } from '../texts/texts';
-import { element } from './dom';
+import { buttonOf, element } from './dom';
 
 const searchedFrom = 2; // scans; one is found without
-const sortLabels: Record<SortName, string> = { newest: t.newestFirst, oldest: t.oldestFirst, title: t.byTitle, frames: t.mostFrames };
+const sortLabels: Record<SortName, string> = {
+  newest: t.newestFirst,
+  oldest: t.oldestFirst,
+  title: t.byTitle,
+  frames: t.mostFrames,
+};
 
 export interface ScanFinder {
   readonly elements: readonly HTMLElement[];
@@ -15,7 +20,12 @@ export interface ScanFinder {
 }
 
 export function scanFinder(changed: () => void): ScanFinder {
-  const search = element('input', { type: 'search', placeholder: t.search, 'aria-label': t.searchTheTitlesOfScans, autocomplete: 'off' });
+  const search = element('input', {
+    type: 'search',
+    placeholder: t.search,
+    'aria-label': t.searchTheTitlesOfScans,
+    autocomplete: 'off',
+  });
   const order = element(
     'select',
     { 'aria-label': t.orderOfTheScans },
@@ -32,7 +42,9 @@ export function scanFinder(changed: () => void): ScanFinder {
     find(scans) {
       node.hidden = scans.length < searchedFrom;
       filter.offer(tagsOf(scans));
-      return node.hidden ? scans : sorted(found(tagged(scans, filter.chosen), search.value), order.value as SortName);
+      return node.hidden
+        ? scans
+        : sorted(found(tagged(scans, filter.chosen), search.value), order.value as SortName);
     },
     hide() {
       node.hidden = true;
@@ -44,16 +56,21 @@ export function scanFinder(changed: () => void): ScanFinder {
 interface TagFilter {
   readonly element: HTMLElement;
   readonly chosen: ReadonlySet<string>;
-  offer(tags: readonly string[]): void; // what is chosen and not offered any more is not chosen any more
+  // What is chosen and not offered any more is not chosen any more.
+  offer(tags: readonly string[]): void;
 }
 
 // A button for each tag; scans need all that are pressed.
 function tagFilter(changed: () => void): TagFilter {
   const chosen = new Set<string>();
-  const group = element('div', { class: 'tags', role: 'group', 'aria-label': t.onlyScansWithTheseTags });
+  const group = element('div', {
+    class: 'tags',
+    role: 'group',
+    'aria-label': t.onlyScansWithTheseTags,
+  });
   let offered = '';
   const buttonFor = (tag: string): HTMLElement => {
-    const button = element('button', { type: 'button', class: 'tag', 'aria-pressed': String(chosen.has(tag)) }, tag);
+    const button = buttonOf(tag, { class: 'tag', 'aria-pressed': String(chosen.has(tag)) });
     button.addEventListener('click', () => {
       if (!chosen.delete(tag)) chosen.add(tag);
       button.setAttribute('aria-pressed', String(chosen.has(tag)));

@@ -24,8 +24,11 @@ export function onScanKeys(world: World): () => void {
 
 function shortcut(event: KeyboardEvent, { scan, options, tools, token, frameAll }: World): void {
   const { target } = event;
-  const typing = target instanceof HTMLTextAreaElement || (target instanceof HTMLInputElement && !['radio', 'range'].includes(target.type));
-  if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
+  const typing =
+    target instanceof HTMLTextAreaElement ||
+    (target instanceof HTMLInputElement && !['radio', 'range'].includes(target.type));
+  if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey)
+    return;
   if (event.key === 'f') frameAll();
   const now = options.get();
   const { scanId, title, phase } = scan.get();

@@ -1,11 +1,12 @@
-// The rows of the list of scans: searched and sorted, and each with what whoever looks may do with it.
+// The rows of the list of scans: searched and sorted, and each with what
+// whoever looks may do with it.
 import { errorText, type ScanSummary } from '../connection/api';
 import { noAccess, stopScan, type Access } from '../connection/scans';
 import { thumbnails } from '../connection/thumbnails';
 import { hashOf } from '../state/route';
 import { ago, framesText, phaseText } from '../state/text';
 import { t } from '../texts/texts';
-import { element, type Panel } from './dom';
+import { buttonOf, element, type Panel } from './dom';
 import { statusMark } from './mark';
 import { menu, type Menu, type MenuItem } from './menu';
 import { changeTags, deleteSoon, onTrashChange, rename, trash } from './scan_actions';
@@ -37,7 +38,9 @@ export function scanList(world: ScanListWorld): ScanList {
     if (key === shown) return;
     shown = key;
     images.clear();
-    const focus = content.contains(document.activeElement) ? focusOf(document.activeElement!) : null;
+    const focus = content.contains(document.activeElement)
+      ? focusOf(document.activeElement!)
+      : null;
     content.replaceChildren(...made());
     if (focus) content.querySelector<HTMLElement>(focus)?.focus();
   };
@@ -53,11 +56,22 @@ export function scanList(world: ScanListWorld): ScanList {
     const there = scans.filter((scan) => !trash.has(scan.id));
     const now = new Date();
     const chosen = finder.find(there);
-    const key = JSON.stringify([more, access, chosen, chosen.map((scan) => scan.started && ago(scan.started, now))]);
+    const key = JSON.stringify([
+      more,
+      access,
+      chosen,
+      chosen.map((scan) => scan.started && ago(scan.started, now)),
+    ]);
     if (there.length === 0) write('empty', () => [emptyList(access)]);
     else if (chosen.length === 0)
-      write(`none ${finder.text()}`, () => [element('p', { class: 'notice' }, t.noTitleHasInIt(finder.text()))]);
-    else write(key, () => [listOf(chosen, now, images.make, access.scan ? menuOf : null), ...(more ? [olderButton(world.older)] : [])]);
+      write(`none ${finder.text()}`, () => [
+        element('p', { class: 'notice' }, t.noTitleHasInIt(finder.text())),
+      ]);
+    else
+      write(key, () => [
+        listOf(chosen, now, images.make, access.scan ? menuOf : null),
+        ...(more ? [olderButton(world.older)] : []),
+      ]);
   };
   const unwatchTrash = onTrashChange(refresh);
   return {
@@ -81,16 +95,32 @@ export function scanList(world: ScanListWorld): ScanList {
 
 // Where the focus is, for the same row written anew.
 function focusOf(node: Element): string | null {
-  for (const name of ['href', 'aria-label']) if (node.hasAttribute(name)) return `[${name}="${CSS.escape(node.getAttribute(name)!)}"]`;
+  for (const name of ['href', 'aria-label'])
+    if (node.hasAttribute(name)) return `[${name}="${CSS.escape(node.getAttribute(name)!)}"]`;
   return null;
 }
 
 function actionsOf(scan: ScanSummary, access: Access, world: ScanListWorld): MenuItem[] {
   const refused = (error: unknown): void => world.say(errorText(error));
-  const stop = (): void => void stopScan(scan.id, world.token()).then(() => world.changed(), refused);
+  const stop = (): void =>
+    void stopScan(scan.id, world.token()).then(() => world.changed(), refused);
   return [
-    ...(access.scan ? [{ label: t.rename, do: () => rename(scan.id, scan.title, world.token(), () => world.changed()) }] : []),
-    ...(access.scan ? [{ label: t.tags, do: () => changeTags(scan.id, scan.tags, world.token(), () => world.changed()) }] : []),
+    ...(access.scan
+      ? [
+          {
+            label: t.rename,
+            do: () => rename(scan.id, scan.title, world.token(), () => world.changed()),
+          },
+        ]
+      : []),
+    ...(access.scan
+      ? [
+          {
+            label: t.tags,
+            do: () => changeTags(scan.id, scan.tags, world.token(), () => world.changed()),
+          },
+        ]
+      : []),
     ...(access.scan && scan.phase === 'running' ? [{ label: t.stopAndKeep, do: stop }] : []),
     ...(access.admin && scan.phase !== 'running'
       ? [{ label: t.delete, bad: true, do: () => deleteSoon(scan.id, scan.title, world.token()) }]
@@ -99,7 +129,7 @@ function actionsOf(scan: ScanSummary, access: Access, world: ScanListWorld): Men
 }
 
 function olderButton(showOlder: () => Promise<void>): HTMLElement {
-  const button = element('button', { type: 'button', class: 'button older' }, t.olderScans);
+  const button = buttonOf(t.olderScans, { class: 'button older' });
   button.addEventListener('click', () => {
     button.disabled = true;
     void showOlder();
@@ -109,9 +139,19 @@ function olderButton(showOlder: () => Promise<void>): HTMLElement {
 
 type ImageOf = (scan: ScanSummary) => HTMLElement;
 
-function listOf(scans: readonly ScanSummary[], now: Date, imageOf: ImageOf, menuOf: ((scan: ScanSummary) => Menu) | null): HTMLElement {
+function listOf(
+  scans: readonly ScanSummary[],
+  now: Date,
+  imageOf: ImageOf,
+  menuOf: ((scan: ScanSummary) => Menu) | null,
+): HTMLElement {
   const rows = scans.map((scan) =>
-    element('li', { class: 'scan-item' }, rowOf(scan, now, imageOf(scan)), menuOf ? menuOf(scan).element : null),
+    element(
+      'li',
+      { class: 'scan-item' },
+      rowOf(scan, now, imageOf(scan)),
+      menuOf ? menuOf(scan).element : null,
+    ),
   );
   return element('ul', { class: 'scans' }, ...rows);
 }
@@ -119,7 +159,10 @@ function listOf(scans: readonly ScanSummary[], now: Date, imageOf: ImageOf, menu
 function rowOf(scan: ScanSummary, now: Date, image: HTMLElement): HTMLElement {
   const mark = statusMark();
   mark.show(phaseText(scan.phase));
-  const facts = [scan.imported ? t.imported : framesText(scan), scan.started && ago(scan.started, now)];
+  const facts = [
+    scan.imported ? t.imported : framesText(scan),
+    scan.started && ago(scan.started, now),
+  ];
   return element(
     'a',
     { class: 'scan-row', href: hashOf(scan.id) },
@@ -128,7 +171,13 @@ function rowOf(scan: ScanSummary, now: Date, image: HTMLElement): HTMLElement {
     mark.element,
     element('span', { class: 'facts' }, facts.filter((fact) => fact !== null).join('  ·  ')),
     scan.words ? element('span', { class: 'facts words' }, scan.words) : null,
-    scan.tags.length > 0 ? element('span', { class: 'tags' }, ...scan.tags.map((tag) => element('span', { class: 'tag' }, tag))) : null,
+    scan.tags.length > 0
+      ? element(
+          'span',
+          { class: 'tags' },
+          ...scan.tags.map((tag) => element('span', { class: 'tag' }, tag)),
+        )
+      : null,
   );
 }
 

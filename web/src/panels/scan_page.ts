@@ -1,10 +1,16 @@
-// The page of one scan: the image fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
+// The page of one scan: the image fills it, the panels float above. Wires the connection, the
+// ledger, the state and the scene together.
 import type { ScanEvent, Watch } from '../connection/events';
 import { ScanLink } from '../connection/link';
 import { ScanScene } from '../scene/scene';
 import { watchAddress } from '../state/address_watch';
 import { isEmbedded } from '../state/embed';
-import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
+import {
+  initialLiveScan,
+  reduceLiveScan,
+  type LiveScan,
+  type LiveScanEvent,
+} from '../state/live_scan';
 import { beginLooking } from '../state/looking';
 import { receiver } from '../state/receiver';
 import { frameOf, qualityHash } from '../state/route';
@@ -42,27 +48,44 @@ export interface ScanPage extends Panel {
 // `view`: how the address says that it is looked at.
 export function scanPage(scanId: string, token: string, view: string): ScanPage {
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
-  const { options, cutting, noting, query } = beginLooking(scanId, { view, browser: ofThisBrowser, tab: ofThisTab });
-  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': t.theScanInThreeDimensionsArrow });
-  const stage = element('div', { class: 'stage' }, canvas);
+  const looking = beginLooking(scanId, { view, browser: ofThisBrowser, tab: ofThisTab });
+  const { options, cutting, noting, query } = looking;
+  const { canvas, stage } = pictureOf();
   const scene = openScene(canvas, () => options.dispatch({ follow: false }));
   const words = imageWords(scan, options, scene !== null);
   const floor = scene && floorChoice(canvas, scene, scanId);
   const surface = scene && watchSurface(scan, scene, token);
   const embedded = isEmbedded(view);
-  const actions = (): MenuItem[] => (floor && tools ? viewActions({ scanId, floor, options, ...tools }) : []);
-  const bar = embedded ? embeddedBar(scan, token, query) : titleBar(scan, token, { actions, link: query });
-  const node = element('main', { class: 'scan-page' }, stage, ...words.elements, bar.element, floor?.element ?? null);
+  const actions = (): MenuItem[] =>
+    floor && tools ? viewActions({ scanId, floor, options, ...tools }) : [];
+  const bar = embedded
+    ? embeddedBar(scan, token, query)
+    : titleBar(scan, token, { actions, link: query });
+  const inside = [stage, ...words.elements, bar.element, floor?.element ?? null];
+  const node = element('main', { class: 'scan-page' }, ...inside);
   const tools =
     scene && surface && !embedded
-      ? toolsOf({ node, stage, canvas, scene, scan, options, cutting, edits: surface.edits, noting, token, frame: frameOf(view) })
+      ? toolsOf({
+          ...looking,
+          node,
+          stage,
+          canvas,
+          scene,
+          scan,
+          edits: surface.edits,
+          token,
+          frame: frameOf(view),
+        })
       : null;
   const frameAll = (): void => {
     if (!scene) return;
     options.dispatch({ follow: false });
     scene.frameAll();
   };
-  const panels = [bar, ...(scene && tools ? addPanels(node, { scan, options, scene, tools, frameAll }) : [])];
+  const panels = [
+    bar,
+    ...(scene && tools ? addPanels(node, { scan, options, scene, tools, frameAll }) : []),
+  ];
   const onEvent = (event: ScanEvent): void => {
     scene?.onEvent(event);
     tools?.live.onEvent(event);
@@ -89,6 +112,15 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   };
 }
 
+function pictureOf() {
+  const canvas = element('canvas', {
+    class: 'picture',
+    tabindex: 0,
+    'aria-label': t.theScanInThreeDimensionsArrow,
+  });
+  return { canvas, stage: element('div', { class: 'stage' }, canvas) };
+}
+
 function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene | null {
   try {
     return new ScanScene(canvas, onTouched);
@@ -98,7 +130,11 @@ function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene 
 }
 
 // The finished surface is made and loaded again when the edits have changed.
-function watchSurface(scan: ScanStore, scene: ScanScene, token: string): { readonly edits: EditsWatch; dispose(): void } {
+function watchSurface(
+  scan: ScanStore,
+  scene: ScanScene,
+  token: string,
+): { readonly edits: EditsWatch; dispose(): void } {
   const edits = watchEdits({ scan, scene, token, changed: () => mesh.again() });
   const mesh = watchMesh({ scan, scene, token, isEdited: () => edits.areThereAny() });
   return {
@@ -111,10 +147,20 @@ function watchSurface(scan: ScanStore, scene: ScanScene, token: string): { reado
 }
 
 // Asks the server for what is looked at of the scan. Returns how to stop.
-function openLink(scan: ScanStore, options: OptionsStore, token: string, onEvent: (event: ScanEvent) => void): () => void {
+function openLink(
+  scan: ScanStore,
+  options: OptionsStore,
+  token: string,
+  onEvent: (event: ScanEvent) => void,
+): () => void {
   const watch = (): Watch => watchOf(options.get(), scan.get().surfaceHasConfidences);
   const { scanId } = scan.get();
-  const link = new ScanLink({ scanId, token, watch: watch(), onEvent: receiver(scan.dispatch, onEvent) });
+  const link = new ScanLink({
+    scanId,
+    token,
+    watch: watch(),
+    onEvent: receiver(scan.dispatch, onEvent),
+  });
   const unsubscribers = [options, scan].map((store) => store.subscribe(() => link.watch(watch())));
   return () => {
     link.close();
@@ -130,8 +176,13 @@ interface PanelWorld {
   readonly frameAll: () => void;
 }
 
-function addPanels(node: HTMLElement, { scan, options, scene, tools, frameAll }: PanelWorld): Panel[] {
-  const buttons = [tools.live, tools.tape, tools.notes, tools.section, tools.frames].map(({ button }) => button);
+function addPanels(
+  node: HTMLElement,
+  { scan, options, scene, tools, frameAll }: PanelWorld,
+): Panel[] {
+  const buttons = [tools.live, tools.tape, tools.notes, tools.section, tools.frames].map(
+    ({ button }) => button,
+  );
   const legend = coverageLegend(options, scan, scene);
   const panels = [
     statusPanel(scan, () => scene.images.framesPerSecond()),
@@ -153,10 +204,17 @@ function viewActions({ scanId, floor, frames, section, notes, options }: ViewWor
     ...(!notes.button.hidden ? [{ label: t.notes, phoneOnly: true, do: notes.toggle }] : []),
     ...(!section.button.hidden ? [{ label: t.section, phoneOnly: true, do: section.toggle }] : []),
     ...(!frames.button.hidden ? [{ label: t.frames, phoneOnly: true, do: frames.toggle }] : []),
-    { label: t.coverage, phoneOnly: true, do: () => options.dispatch({ coverage: !options.get().coverage }) },
+    {
+      label: t.coverage,
+      phoneOnly: true,
+      do: () => options.dispatch({ coverage: !options.get().coverage }),
+    },
     { label: t.quality, phoneOnly: true, do: () => void (location.hash = qualityHash(scanId)) },
     ...floor.actions(),
     { label: t.mouseAndKeyboard, do: showHelp },
-    ...otherLanguages.map(([language, name]) => ({ label: name, do: () => chooseLanguage(language) })),
+    ...otherLanguages.map(([language, name]) => ({
+      label: name,
+      do: () => chooseLanguage(language),
+    })),
   ];
 }

@@ -37,7 +37,12 @@ export function thumbnailViews(thumbnails: Thumbnails, token: () => string): Thu
   });
   return {
     make(scan) {
-      const canvas = element('canvas', { class: 'thumbnail', width: width_px, height: height_px, 'aria-hidden': 'true' });
+      const canvas = element('canvas', {
+        class: 'thumbnail',
+        width: width_px,
+        height: height_px,
+        'aria-hidden': 'true',
+      });
       const known = thumbnails.known(scan);
       if (known) draw(canvas, known);
       if (thumbnails.isStale(scan, performance.now())) {

@@ -1,4 +1,5 @@
-// The tools of a scan's page: live scanning, the tape measure, looking back, the section and the notes.
+// The tools of a scan's page: live scanning, the tape measure, looking back,
+// the section and the notes.
 import type { ScanScene } from '../scene/scene';
 import type { Cutting, CuttingEvent } from '../state/cutting';
 import type { LiveScan, LiveScanEvent } from '../state/live_scan';
@@ -35,7 +36,19 @@ interface ToolWorld {
 }
 
 // They stand in the same place: one at a time.
-export function toolsOf({ node, stage, canvas, scene, scan, options, cutting, edits, noting, token, frame }: ToolWorld): Tools {
+export function toolsOf({
+  node,
+  stage,
+  canvas,
+  scene,
+  scan,
+  options,
+  cutting,
+  edits,
+  noting,
+  token,
+  frame,
+}: ToolWorld): Tools {
   const tape = measurePanel({ canvas, scene, scan, token });
   const closeTape = (): void => {
     if (node.classList.contains('measuring')) tape.toggle();

@@ -1,5 +1,5 @@
-// The clip box and the section plane: what is looked at of a model, and the lines where a plane cuts it, to be taken away as a drawing. With
-// the box, parts of the scan are taken out.
+// The clip box and the section plane: what is looked at of a model, and the lines where a plane
+// cuts it, to be taken away as a drawing. With the box, parts of the scan are taken out.
 import { fileNameOf, saveAs } from '../connection/api';
 import type { ScanScene } from '../scene/scene';
 import {
@@ -21,7 +21,7 @@ import { drawingText, placeText, sectionName, sectionText } from '../state/secti
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
 import { clipDrag } from './clip_drag';
-import { element, setText, type Panel } from './dom';
+import { buttonOf, element, setText, type Panel } from './dom';
 import { editsView } from './edits_view';
 import type { EditsWatch } from './edits_watch';
 import { hintAtMore } from './scroll_hint';
@@ -47,10 +47,24 @@ interface World {
 type Cut = SectionKind | 'off';
 
 const cuts: readonly Cut[] = ['off', ...sectionKinds];
-const cutLabels: Record<Cut, string> = { off: t.noSection, horizontal: t.horizontal, vertical: t.vertical };
-const steps_m = { fine: 0.001, coarse: 0.01, coarseFrom: 3 } as const; // of the plane, in a model that is as large
+const cutLabels: Record<Cut, string> = {
+  off: t.noSection,
+  horizontal: t.horizontal,
+  vertical: t.vertical,
+};
+// Steps of the plane: coarse ones from this size of the model on.
+const steps_m = { fine: 0.001, coarse: 0.01, coarseFrom: 3 } as const;
 
-export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, opened }: World): SectionPanel {
+export function sectionPanel({
+  stage,
+  canvas,
+  scene,
+  scan,
+  store,
+  edits,
+  token,
+  opened,
+}: World): SectionPanel {
   const taking = editsView(edits, store, token);
   const view = panelView((by) => store.dispatch({ kind: 'cut', by }), taking.element);
   const { node, button } = view;
@@ -73,7 +87,11 @@ export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, 
     const state = store.get();
     node.parentElement?.classList.toggle('cutting', state.active);
     lines = joined(scene.showCutting(state));
-    view.show(state, sectionText({ surface: scene.surface, lines }), scene.surface === 'finished' && lines.length > 0);
+    view.show(
+      state,
+      sectionText({ surface: scene.surface, lines }),
+      scene.surface === 'finished' && lines.length > 0,
+    );
   };
   wire(view, store, () => model.measure());
   view.svg.addEventListener('click', () => save(store.get(), scan.get().title, lines, 'svg'));
@@ -81,7 +99,8 @@ export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, 
   button.addEventListener('click', toggle);
   view.done.addEventListener('click', () => open(false));
   const onKey = (event: KeyboardEvent): void => {
-    if (event.key === 'Escape' && !event.defaultPrevented && !document.querySelector('dialog')) open(false);
+    if (event.key === 'Escape' && !event.defaultPrevented && !document.querySelector('dialog'))
+      open(false);
   };
   document.addEventListener('keydown', onKey);
   const stopDrag = clipDrag(stage, canvas, scene, store);
@@ -106,44 +125,68 @@ export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, 
   };
 }
 
-function save({ model, section }: Cutting, title: string, lines: readonly Polyline[], ending: 'svg' | 'dxf'): void {
+function save(
+  { model, section }: Cutting,
+  title: string,
+  lines: readonly Polyline[],
+  ending: 'svg' | 'dxf',
+): void {
   if (!model || !section || lines.length === 0) return;
   const description = drawingText(model, section);
   const [text, type] =
     ending === 'svg'
       ? [svgOf(lines, { title, description }), 'image/svg+xml']
       : [dxfOf(lines, t.drawingInMetres(title, description)), 'image/vnd.dxf'];
-  saveAs(new Blob([text], { type }), `${fileNameOf(title) || 'scan'}-${sectionName(model, section)}.${ending}`);
+  saveAs(
+    new Blob([text], { type }),
+    `${fileNameOf(title) || 'scan'}-${sectionName(model, section)}.${ending}`,
+  );
 }
 
 type View = ReturnType<typeof panelView>;
 
-function wire({ node, box, reset, takeOut, place, turn }: View, store: Store<Cutting, CuttingEvent>, measure: () => Model | null): void {
+function wire(
+  { node, box, reset, takeOut, place, turn }: View,
+  store: Store<Cutting, CuttingEvent>,
+  measure: () => Model | null,
+): void {
   box.addEventListener('click', () => store.dispatch({ kind: 'clip', on: !store.get().clip }));
   reset.addEventListener('click', () => {
     const model = measure();
     if (model) store.dispatch({ kind: 'reset', model });
   });
-  takeOut.addEventListener('click', () => takeOut.setAttribute('aria-expanded', String(node.classList.toggle('taking-out'))));
-  place.input.addEventListener('input', () => store.dispatch({ kind: 'moved', at_m: place.input.valueAsNumber }));
-  turn.input.addEventListener('input', () => store.dispatch({ kind: 'turned', turn_deg: turn.input.valueAsNumber }));
+  takeOut.addEventListener('click', () =>
+    takeOut.setAttribute('aria-expanded', String(node.classList.toggle('taking-out'))),
+  );
+  place.input.addEventListener('input', () =>
+    store.dispatch({ kind: 'moved', at_m: place.input.valueAsNumber }),
+  );
+  turn.input.addEventListener('input', () =>
+    store.dispatch({ kind: 'turned', turn_deg: turn.input.valueAsNumber }),
+  );
+}
+
+function act(text: string, hint: string): HTMLButtonElement {
+  return buttonOf(text, { title: hint });
 }
 
 function panelView(choose: (cut: Cut) => void, edits: HTMLElement) {
-  const act = (text: string, hint: string): HTMLButtonElement => element('button', { type: 'button', class: 'button', title: hint }, text);
   const title = t.aClipBoxAndSectionsTo;
-  const button = element('button', { type: 'button', class: 'button section-button', title, 'aria-pressed': 'false' }, t.section);
+  const button = buttonOf(t.section, {
+    class: 'button section-button',
+    title,
+    'aria-pressed': 'false',
+  });
   const box = act(t.clipBox, t.showsOnlyWhatIsInsideOf);
   const reset = act(t.reset, t.makesTheBoxAsLargeAs);
   // On a phone, where there is room for the section or for what takes parts out.
-  const takeOut = element('button', { type: 'button', class: 'button take-out', 'aria-expanded': 'false' }, t.takeOut);
+  const takeOut = buttonOf(t.takeOut, { class: 'button take-out', 'aria-expanded': 'false' });
   const notice = element('p', { class: 'section-words', role: 'status' });
   const choice = segments('section-kind', t.sectionPlane, cuts, cutLabels, choose);
   const place = sliderOf('section-at', t.position, {});
   const turn = sliderOf('section-turn', t.turn, turnRange_deg);
-  const [svg, dxf] = [act('SVG', t.aDrawingOnPaperWithIts), act('DXF', t.forProgramsThatDrawInMetres)];
   const done = act(t.close, t.theBoxAndThePlaneStay);
-  const files = element('span', { class: 'section-files' }, element('span', {}, t.download), svg, dxf);
+  const { files, svg, dxf } = fileButtons();
   const node = element(
     'section',
     { class: 'card section', 'aria-label': t.section },
@@ -181,11 +224,25 @@ function panelView(choose: (cut: Cut) => void, edits: HTMLElement) {
   return { node, button, box, reset, takeOut, choice, place, turn, svg, dxf, done, show };
 }
 
+// What the lines are taken away as.
+function fileButtons() {
+  const svg = act('SVG', t.aDrawingOnPaperWithIts);
+  const dxf = act('DXF', t.forProgramsThatDrawInMetres);
+  const download = element('span', {}, t.download);
+  return { files: element('span', { class: 'section-files' }, download, svg, dxf), svg, dxf };
+}
+
 function sliderOf(id: string, label: string, range: Readonly<Record<string, number>>) {
   const input = element('input', { type: 'range', id, ...range });
   const text = element('output', { for: id });
   return {
-    element: element('label', { class: 'slider', for: id }, element('span', {}, label), input, text),
+    element: element(
+      'label',
+      { class: 'slider', for: id },
+      element('span', {}, label),
+      input,
+      text,
+    ),
     input,
     say(value: string): void {
       setText(text, value);

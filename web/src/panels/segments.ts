@@ -18,9 +18,16 @@ export function segments<Name extends string>(
     input.addEventListener('change', () => choose(name));
     return input;
   });
-  const choices = names.map((name, i) => element('label', {}, inputs[i]!, element('span', {}, labels[name])));
+  const choices = names.map((name, i) =>
+    element('label', {}, inputs[i]!, element('span', {}, labels[name])),
+  );
   return {
-    element: element('fieldset', { class: `segments ${group}` }, element('legend', { class: 'unseen' }, legend), ...choices),
+    element: element(
+      'fieldset',
+      { class: `segments ${group}` },
+      element('legend', { class: 'unseen' }, legend),
+      ...choices,
+    ),
     check(chosen) {
       names.forEach((name, i) => (inputs[i]!.checked = name === chosen));
     },

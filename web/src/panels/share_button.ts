@@ -1,12 +1,22 @@
 // Makes a share link of one scan and shows it for copying.
 import { ApiError, createShareLink } from '../connection/api';
 import { t } from '../texts/texts';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 
 // `view`: how the scan is looked at now, as fields of an address, or empty.
-export function shareButton(scanId: string, token: string, problem: Element, view: () => string): HTMLElement {
-  const button = element('button', { type: 'button', class: 'button', title: t.makesALinkWithWhichOthers }, t.share);
-  const link = element('input', { class: 'share-link', type: 'text', readonly: true, 'aria-label': t.linkToThisScan });
+export function shareButton(
+  scanId: string,
+  token: string,
+  problem: Element,
+  view: () => string,
+): HTMLElement {
+  const button = buttonOf(t.share, { title: t.makesALinkWithWhichOthers });
+  const link = element('input', {
+    class: 'share-link',
+    type: 'text',
+    readonly: true,
+    'aria-label': t.linkToThisScan,
+  });
   const message = element('span', { class: 'share-words', role: 'status' });
   const node = element('span', { class: 'share' }, message, link, button);
   link.hidden = true;
@@ -18,7 +28,10 @@ export function shareButton(scanId: string, token: string, problem: Element, vie
       link.hidden = false;
       button.hidden = true;
       link.select();
-      setText(message, (await copied(link.value)) ? t.copiedShowsThisScanFor7 : t.showsThisScanFor7Days);
+      setText(
+        message,
+        (await copied(link.value)) ? t.copiedShowsThisScanFor7 : t.showsThisScanFor7Days,
+      );
     } catch (error) {
       setText(problem, error instanceof ApiError ? error.message : t.theLinkCouldNotBeMade);
     }

@@ -24,18 +24,26 @@ const refresh_ms = 500;
 
 interface Row {
   readonly label: string;
-  readonly value: (scan: LiveScan, imagesPerSecond: number) => string | null; // null: nothing to say
+  // Null: there is nothing to say.
+  readonly value: (scan: LiveScan, imagesPerSecond: number) => string | null;
 }
 
 // No camera has seen it.
-const isImported = (scan: LiveScan): boolean => scan.phase === 'finished' && scan.framesReceived === 0;
+const isImported = (scan: LiveScan): boolean =>
+  scan.phase === 'finished' && scan.framesReceived === 0;
 
 // The connection is no news any more.
 const isQuiet = (scan: LiveScan): boolean => scan.connection === 'closed' && !scan.problem;
 
 const rows: readonly Row[] = [
-  { label: t.pointsShown, value: (scan) => (scan.points > 0 || scan.triangles === 0 ? count(scan.points) : null) },
-  { label: t.pointsInFile, value: (scan) => (scan.report?.cloudPoints ? count(scan.report.cloudPoints) : null) },
+  {
+    label: t.pointsShown,
+    value: (scan) => (scan.points > 0 || scan.triangles === 0 ? count(scan.points) : null),
+  },
+  {
+    label: t.pointsInFile,
+    value: (scan) => (scan.report?.cloudPoints ? count(scan.report.cloudPoints) : null),
+  },
   { label: t.triangles, value: trianglesText },
   { label: t.frames, value: (scan) => (isImported(scan) ? null : framesText(scan)) },
   { label: t.submaps, value: (scan) => (scan.submaps > 1 ? count(scan.submaps) : null) },
@@ -44,8 +52,13 @@ const rows: readonly Row[] = [
   { label: t.loops, value: (scan) => (scan.keyframes > 0 ? count(scan.loops) : null) },
   { label: t.position, value: (scan) => positionText(scan) },
   { label: t.dropped, value: (scan) => (isImported(scan) ? null : count(scan.framesDropped)) },
-  { label: t.perFrame, value: (scan) => (scan.frame_ms > 0 && scan.phase === 'running' ? millisecondsText(scan.frame_ms) : null) },
-  { label: t.connection, value: (scan) => (isQuiet(scan) ? connectionText(scan).text : null) }, // else it is seen above
+  {
+    label: t.perFrame,
+    value: (scan) =>
+      scan.frame_ms > 0 && scan.phase === 'running' ? millisecondsText(scan.frame_ms) : null,
+  },
+  // A connection that is not quiet is seen above the list.
+  { label: t.connection, value: (scan) => (isQuiet(scan) ? connectionText(scan).text : null) },
   { label: t.picture, value: (_, fps) => (fps > 0 ? `${fps} fps` : t.atRest) },
 ];
 
@@ -56,8 +69,15 @@ export function statusPanel(scan: Store<LiveScan, never>, imagesPerSecond: () =>
   const pairs = rows.map((row, i) => element('div', {}, element('dt', {}, row.label), values[i]!));
   const list = element('dl', { class: 'figures' }, ...pairs);
   const why = element('p', { class: 'why' });
-  const details = element('details', { class: 'details' }, element('summary', {}, t.details), list, why);
-  const summary = element('p', { class: 'summary' }); // not read aloud whenever it changes: of a running scan it does so all the time
+  const details = element(
+    'details',
+    { class: 'details' },
+    element('summary', {}, t.details),
+    list,
+    why,
+  );
+  // The summary of a running scan changes all the time, so that it is not read aloud when it does.
+  const summary = element('p', { class: 'summary' });
   const quality = element(
     'a',
     { class: 'quality-link', href: qualityHash(scan.get().scanId), title: t.asAPageToPrintQ },
@@ -76,7 +96,8 @@ export function statusPanel(scan: Store<LiveScan, never>, imagesPerSecond: () =>
 
   const show = (): void => {
     const state = scan.get();
-    tracking.element.hidden = state.phase !== 'running' || state.connection !== 'open'; // else it would be old news
+    // Of any other scan it would be old news.
+    tracking.element.hidden = state.phase !== 'running' || state.connection !== 'open';
     tracking.show(trackingText(state));
     connection.element.hidden = isQuiet(state);
     connection.show(connectionText(state));
@@ -124,10 +145,13 @@ function framesText(scan: LiveScan): string {
 
 function noticeText(scan: LiveScan): string {
   const sentences: string[] = [];
-  if (scan.phase === 'running' && scan.connection === 'open') sentences.push(eventText(scan), partsText(scan));
+  if (scan.phase === 'running' && scan.connection === 'open')
+    sentences.push(eventText(scan), partsText(scan));
   sentences.push(sentence(scan.phaseText), leftOutText(scan));
-  if (scan.connection === 'waiting' && scan.connectionText) sentences.push(`${sentence(scan.connectionText)}`);
-  if (scan.problem && (scan.points > 0 || scan.triangles > 0)) sentences.push(sentence(scan.problem.message));
+  if (scan.connection === 'waiting' && scan.connectionText)
+    sentences.push(`${sentence(scan.connectionText)}`);
+  if (scan.problem && (scan.points > 0 || scan.triangles > 0))
+    sentences.push(sentence(scan.problem.message));
   if (scan.failedChunks > 0) sentences.push(t.ofTheChunksCouldNotBe(count(scan.failedChunks)));
   if (scan.old) sentences.push(t.someOfWhatIsShownIs);
   if (scan.full) sentences.push(t.theScanIsLargerThanThis);

@@ -1,4 +1,5 @@
-// The bar at the top of a scan's page: its title and phase, and what whoever looks may do with the scan.
+// The bar at the top of a scan's page: its title and phase, and what whoever
+// looks may do with the scan.
 import { errorText } from '../connection/api';
 import { fetchAccess, noAccess, pauseScan, stopScan, type Access } from '../connection/scans';
 import { hasEnded, type LiveScan, type LiveScanEvent } from '../state/live_scan';
@@ -29,8 +30,13 @@ export function titleBar(scan: ScanStore, token: string, viewing: Viewing): Pane
   const problem = element('span', { class: 'problem', role: 'alert' });
   const share = shareButton(scan.get().scanId, token, problem, viewing.link);
   let access = noAccess;
-  const shareItem: MenuItem = { label: t.share, phoneOnly: true, do: () => share.querySelector('button')?.click() };
-  const embed = (): void => showEmbedding(scan.get().scanId, scan.get().title, token, viewing.link());
+  const shareItem: MenuItem = {
+    label: t.share,
+    phoneOnly: true,
+    do: () => share.querySelector('button')?.click(),
+  };
+  const embed = (): void =>
+    showEmbedding(scan.get().scanId, scan.get().title, token, viewing.link());
   const more = menu(t.more, () => [
     ...(access.scan ? [shareItem] : []),
     ...(access.scan && access.embedding ? [{ label: t.embed, do: embed }] : []),
@@ -91,12 +97,26 @@ function scanActions(scan: ScanStore, token: string, access: Access, problem: El
   const ended = hasEnded(phase);
   return [
     ...(access.scan
-      ? [{ label: t.rename, do: () => rename(scanId, title, token, (wanted) => scan.dispatch({ kind: 'renamed', title: wanted })) }]
+      ? [
+          {
+            label: t.rename,
+            do: () =>
+              rename(scanId, title, token, (wanted) =>
+                scan.dispatch({ kind: 'renamed', title: wanted }),
+              ),
+          },
+        ]
       : []),
-    ...(access.scan && canPause ? [{ label: paused ? t.goOnScanning : t.pauseTheScan, do: pause }] : []),
+    ...(access.scan && canPause
+      ? [{ label: paused ? t.goOnScanning : t.pauseTheScan, do: pause }]
+      : []),
     ...(access.scan && phase === 'running' ? [{ label: t.stopAndKeep, do: stop }] : []),
-    ...(access.view && ended ? [{ label: t.floorPlan, do: () => showFloorPlan(scanId, title, token) }] : []),
-    ...(access.view && !access.shared && ended ? [{ label: t.compareWith, do: () => chooseCompared(scanId, token) }] : []),
+    ...(access.view && ended
+      ? [{ label: t.floorPlan, do: () => showFloorPlan(scanId, title, token) }]
+      : []),
+    ...(access.view && !access.shared && ended
+      ? [{ label: t.compareWith, do: () => chooseCompared(scanId, token) }]
+      : []),
     ...(access.admin && ended ? [{ label: t.delete, bad: true, do: remove }] : []),
   ];
 }

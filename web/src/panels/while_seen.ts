@@ -5,7 +5,8 @@ export interface WhileSeen {
   dispose(): void;
 }
 
-// `work` says whether it is to be done again; if not, it waits for `again` or until the page is looked at anew.
+// `work` says whether it is to be done again; if not, it waits for `again` or until
+// the page is looked at anew.
 export function whileSeen(every_ms: number, work: () => Promise<boolean>): WhileSeen {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let disposed = false;

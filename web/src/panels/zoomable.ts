@@ -1,13 +1,14 @@
-// A picture that is enlarged and moved by two fingers, by dragging, by the wheel, or by a double click, with a button that shows all of it again.
+// A picture that is enlarged and moved by two fingers, by dragging, by the wheel, or by a double
+// click, with a button that shows all of it again.
 import { wholePicture, zoomedBy, type Spot } from '../state/zoom';
-import { element } from './dom';
+import { buttonOf, element } from './dom';
 
 const perWheel_px = 0.002; // of the logarithm
 const doubleClick = 3;
 
 // Returns the frame around it, which is as large as the picture is at first.
 export function zoomable(picture: HTMLElement, back: string): HTMLElement {
-  const button = element('button', { type: 'button', class: 'button zoom-back' }, back);
+  const button = buttonOf(back, { class: 'button zoom-back' });
   const frame = element('div', { class: 'zoom-frame' }, picture, button);
   const fingers = new Map<number, Spot>();
   let zoom = wholePicture;
@@ -22,7 +23,9 @@ export function zoomable(picture: HTMLElement, back: string): HTMLElement {
     return [clientX - left, clientY - top];
   };
   const change = (by: number, from: Spot, to: Spot): void =>
-    show(zoomedBy(zoom, by, from, to, { width_px: frame.clientWidth, height_px: frame.clientHeight }));
+    show(
+      zoomedBy(zoom, by, from, to, { width_px: frame.clientWidth, height_px: frame.clientHeight }),
+    );
   picture.addEventListener('pointerdown', (event) => {
     if (event.button !== 0 || fingers.size === 2) return;
     picture.setPointerCapture(event.pointerId);
@@ -33,9 +36,14 @@ export function zoomable(picture: HTMLElement, back: string): HTMLElement {
     const before = gripOf(fingers);
     fingers.set(event.pointerId, spotOf(event));
     const after = gripOf(fingers);
-    change(before.wide_px > 0 && after.wide_px > 0 ? after.wide_px / before.wide_px : 1, before.middle, after.middle);
+    change(
+      before.wide_px > 0 && after.wide_px > 0 ? after.wide_px / before.wide_px : 1,
+      before.middle,
+      after.middle,
+    );
   });
-  for (const name of ['pointerup', 'pointercancel'] as const) picture.addEventListener(name, (event) => fingers.delete(event.pointerId));
+  for (const name of ['pointerup', 'pointercancel'] as const)
+    picture.addEventListener(name, (event) => fingers.delete(event.pointerId));
   picture.addEventListener('dblclick', (event) => {
     if (zoom.scale > 1) show(wholePicture);
     else change(doubleClick, spotOf(event), spotOf(event));
@@ -50,7 +58,10 @@ export function zoomable(picture: HTMLElement, back: string): HTMLElement {
 }
 
 // Where one finger is, or the middle of two and how far they are from each other.
-function gripOf(fingers: ReadonlyMap<number, Spot>): { readonly middle: Spot; readonly wide_px: number } {
+function gripOf(fingers: ReadonlyMap<number, Spot>): {
+  readonly middle: Spot;
+  readonly wide_px: number;
+} {
   const [first = [0, 0], second = first] = fingers.values();
   const middle: Spot = [(first[0] + second[0]) / 2, (first[1] + second[1]) / 2];
   return { middle, wide_px: Math.hypot(second[0] - first[0], second[1] - first[1]) };

@@ -1,5 +1,6 @@
-// Where the viewer's eye is: orbiting by hand, framing the scan by itself until touched, or riding behind the scanning camera. Up is -y of the view's world, which is
-// the scan's, turned so that up is up (upright.ts).
+// Where the viewer's eye is: orbiting by hand, framing the scan by itself until touched, or
+// riding behind the scanning camera. Up is -y of the view's world, which is the scan's, turned so
+// that up is up (upright.ts).
 import { PerspectiveCamera, Quaternion, Vector2, Vector3 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { fittingDistance_m, type Framing } from './framing';
@@ -8,10 +9,13 @@ import type { GlidingPose } from './motion';
 
 const verticalFov_deg = 50;
 const settle_ms = 350; // time constant of the eye's own movements
-const fromDirection = new Vector3(0.45, -0.8, -1).normalize(); // behind the first camera, from the right and above
+// The eye begins behind the first camera, to the right and above.
+const fromDirection = new Vector3(0.45, -0.8, -1).normalize();
 const behind_m = new Vector3(0, -0.35, -0.9); // in the scanning camera's frame
 const sphereShare = 0.88; // a scan is smaller than the sphere around it
-const lift = 0.1; // of the radius, upwards on the screen, where panels at the bottom are too small to count (free_part.ts)
+// So much of the radius the scan is moved upwards on the screen, where panels at the bottom are too
+// small to count (free_part.ts).
+const lift = 0.1;
 const ahead_m = new Vector3(0, 0, 1.5);
 
 export interface Surroundings {
@@ -124,12 +128,13 @@ export class CameraRig {
     this.changed();
   }
 
-  // The world was turned about its origin: a view that somebody has chosen stays on what it shows, and from where it does if that is a place
-  // in the model. Others are told where to look.
+  // The world was turned about its origin: a view that somebody has chosen stays on what it shows,
+  // and from where it does if that is a place in the model. Others are told where to look.
   carry(delta: Quaternion): void {
     if (this.mode !== 'free') return;
     if (this.inModel) {
-      for (const point of [this.controls.target, this.target, this.camera.position, this.eye]) point.applyQuaternion(delta);
+      for (const point of [this.controls.target, this.target, this.camera.position, this.eye])
+        point.applyQuaternion(delta);
       return;
     }
     const offset = new Vector3().subVectors(this.camera.position, this.controls.target);
@@ -145,14 +150,18 @@ export class CameraRig {
         [this.eye, behind_m],
         [this.target, ahead_m],
       ] as const)
-        at.copy(offset_m).applyQuaternion(scanner.rotation).add(scanner.translation).applyQuaternion(upright);
+        at.copy(offset_m)
+          .applyQuaternion(scanner.rotation)
+          .add(scanner.translation)
+          .applyQuaternion(upright);
       this.placed = true;
     }
     const goes = this.pivoting || (this.mode !== 'free' && this.placed);
     const glides = goes && this.glide(still ? Infinity : elapsed_ms);
     if (!glides) this.pivoting = false;
     const byItself = this.slide(still || !this.placed ? Infinity : elapsed_ms) || glides;
-    this.ticking = true; // the controls report their own update as a change: not a reason to draw once more
+    // The controls report their own update as a change, which is no reason to draw once more.
+    this.ticking = true;
     const changed = this.controls.update(elapsed_ms / 1000);
     this.ticking = false;
     return { byHand: changed && !byItself, byItself };
@@ -166,7 +175,12 @@ export class CameraRig {
     if (this.mode !== 'framing' || !this.framing) return;
     const { free, framing } = this;
     const freeFov_rad = 2 * Math.atan(Math.tan(this.verticalFov_rad / 2) * free.height);
-    const distance_m = fittingDistance_m(framing.radius_m, freeFov_rad, (this.camera.aspect * free.width) / free.height) * sphereShare;
+    const distance_m =
+      fittingDistance_m(
+        framing.radius_m,
+        freeFov_rad,
+        (this.camera.aspect * free.width) / free.height,
+      ) * sphereShare;
     this.target.fromArray(framing.center_m);
     if (free === wholeImage) this.target.y += lift * framing.radius_m;
     this.eye.copy(fromDirection).multiplyScalar(distance_m).add(this.target);
@@ -179,7 +193,10 @@ export class CameraRig {
   }
 
   private glide(elapsed_ms: number): boolean {
-    const remaining_m = Math.max(this.camera.position.distanceTo(this.eye), this.controls.target.distanceTo(this.target));
+    const remaining_m = Math.max(
+      this.camera.position.distanceTo(this.eye),
+      this.controls.target.distanceTo(this.target),
+    );
     if (remaining_m < 1e-3) return false;
     const share = 1 - Math.exp(-elapsed_ms / settle_ms);
     this.camera.position.lerp(this.eye, share);

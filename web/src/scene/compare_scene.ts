@@ -1,4 +1,5 @@
-// The image of two scans: one over the other, or side by side through one camera. Draws only when something changed.
+// The image of two scans: one over the other, or side by side through one camera. Draws
+// only when something changed.
 import {
   Box3,
   BufferGeometry,
@@ -64,13 +65,26 @@ export class CompareScene {
 
   // Throws when the browser has no WebGL 2.
   constructor(private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer = new WebGLRenderer({
+      canvas,
+      antialias: true,
+      powerPreference: 'high-performance',
+    });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.info.autoReset = false; // an image may have two parts
     this.renderer.setScissorTest(true);
-    this.submaps.onEvent({ kind: 'submapPoses', poses: [{ submap: 0, worldFromSubmap: identity, part: 0 }] });
-    for (const layer of this.points) layer.onOptions({ ...initialViewOptions, show: 'points', color: 'shaded' });
-    this.upright.object.add(this.submaps.object, this.points[0].object, this.points[1].object, this.frame);
+    this.submaps.onEvent({
+      kind: 'submapPoses',
+      poses: [{ submap: 0, worldFromSubmap: identity, part: 0 }],
+    });
+    for (const layer of this.points)
+      layer.onOptions({ ...initialViewOptions, show: 'points', color: 'shaded' });
+    this.upright.object.add(
+      this.submaps.object,
+      this.points[0].object,
+      this.points[1].object,
+      this.frame,
+    );
     this.scene.add(this.grid.object, this.upright.object);
     this.paint();
     this.unwatchTheme = onThemeChange(() => this.paint());
@@ -94,7 +108,9 @@ export class CompareScene {
     const taken = samples.take();
     this.upright.estimate(taken, performance.now(), true);
     this.upright.tick(longestStep_ms, true);
-    const framing = framingOf(this.points.flatMap((layer) => layer.boxes()).map((box) => this.upright.turned(box)));
+    const framing = framingOf(
+      this.points.flatMap((layer) => layer.boxes()).map((box) => this.upright.turned(box)),
+    );
     if (!framing) return;
     const height_m = floorHeight_m(taken, this.upright.up);
     const placed = height_m === null ? framing : { ...framing, floor_y_m: -height_m };
@@ -106,10 +122,17 @@ export class CompareScene {
     this.look = look;
     for (const chunk of this.chunks) {
       const { points, states, distances_m, scan, cube } = chunk;
-      const radii_m = points.radii_m.map((radius_m, i) => (isShown(scan, pointStates[states[i]!]!, distances_m[i]!, look) ? radius_m : 0));
+      const radii_m = points.radii_m.map((radius_m, i) =>
+        isShown(scan, pointStates[states[i]!]!, distances_m[i]!, look) ? radius_m : 0,
+      );
       const [x, y, z] = cube;
       const key = { submap: 0, level: 0, x, y, z };
-      this.points[scan].onEvent({ kind: 'chunk', key, version: 0n, points: { ...points, radii_m, colors: colorsOf(chunk, look) } });
+      this.points[scan].onEvent({
+        kind: 'chunk',
+        key,
+        version: 0n,
+        points: { ...points, radii_m, colors: colorsOf(chunk, look) },
+      });
     }
     this.resize();
   }
@@ -121,7 +144,10 @@ export class CompareScene {
 
   // To where it is seen from the front, with a frame around it.
   flyTo(region: ChangedRegion, place: RegionPlace | undefined): void {
-    const box = new Box3(new Vector3(...region.low_m), new Vector3(...region.high_m)).expandByScalar(boxMargin_m);
+    const box = new Box3(
+      new Vector3(...region.low_m),
+      new Vector3(...region.high_m),
+    ).expandByScalar(boxMargin_m);
     box.getCenter(this.frame.position);
     box.getSize(this.frame.scale);
     this.frame.updateMatrix();
@@ -130,7 +156,11 @@ export class CompareScene {
     const target = box.getCenter(new Vector3()).applyMatrix4(matrix);
     const [part] = this.parts();
     const radius_m = Math.max(leastRadius_m, around * 0.5 * box.getSize(new Vector3()).length());
-    const distance_m = fittingDistance_m(radius_m, this.rig.verticalFov_rad, part!.width / part!.height);
+    const distance_m = fittingDistance_m(
+      radius_m,
+      this.rig.verticalFov_rad,
+      part!.width / part!.height,
+    );
     const from = new Vector3(...(place?.normal ?? [0, 0, 0])).applyQuaternion(quaternion);
     if (from.lengthSq() < 0.5) from.subVectors(this.rig.view[0], this.rig.view[1]).normalize();
     from.y -= 0.35; // a little from above
@@ -161,13 +191,20 @@ export class CompareScene {
   private pivotAt(x_px: number, y_px: number): void {
     const { left, top, height } = this.canvas.getBoundingClientRect();
     const [x, y] = [x_px - left, height - (y_px - top)];
-    const part = this.parts().find((one) => x >= one.x && x <= one.x + one.width && y >= one.y && y <= one.y + one.height);
+    const part = this.parts().find(
+      (one) => x >= one.x && x <= one.x + one.width && y >= one.y && y <= one.y + one.height,
+    );
     if (!part) return;
     const caster = new Raycaster();
-    caster.setFromCamera(new Vector2((2 * (x - part.x)) / part.width - 1, (2 * (y - part.y)) / part.height - 1), this.rig.camera);
+    caster.setFromCamera(
+      new Vector2((2 * (x - part.x)) / part.width - 1, (2 * (y - part.y)) / part.height - 1),
+      this.rig.camera,
+    );
     const { matrix } = this.upright.object;
     const ray = new Ray().copy(caster.ray).applyMatrix4(matrix.clone().invert());
-    const hits = part.scans.flatMap((scan) => this.points[scan].pick(ray) ?? []).sort((a, b) => a.distance_m - b.distance_m);
+    const hits = part.scans
+      .flatMap((scan) => this.points[scan].pick(ray) ?? [])
+      .sort((a, b) => a.distance_m - b.distance_m);
     if (hits[0]) this.rig.pivot(hits[0].point_m.applyMatrix4(matrix));
   }
 
@@ -175,8 +212,21 @@ export class CompareScene {
   private parts(): Part[] {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (this.look === 'overlay') return [{ scans: [0, 1], x: 0, y: 0, width, height }];
-    if (width >= height) return [0, 1].map((scan) => ({ scans: [scan as 0 | 1], x: (scan * width) / 2, y: 0, width: width / 2, height }));
-    return [0, 1].map((scan) => ({ scans: [scan as 0 | 1], x: 0, y: ((1 - scan) * height) / 2, width, height: height / 2 }));
+    if (width >= height)
+      return [0, 1].map((scan) => ({
+        scans: [scan as 0 | 1],
+        x: (scan * width) / 2,
+        y: 0,
+        width: width / 2,
+        height,
+      }));
+    return [0, 1].map((scan) => ({
+      scans: [scan as 0 | 1],
+      x: 0,
+      y: ((1 - scan) * height) / 2,
+      width,
+      height: height / 2,
+    }));
   }
 
   private requestDraw(): void {
@@ -189,7 +239,10 @@ export class CompareScene {
     const elapsed_ms = Math.min(longestStep_ms, Math.max(0, now_ms - this.last_ms));
     this.last_ms = now_ms;
     const still = this.stillness.matches;
-    const eye = this.rig.tick(elapsed_ms, this.nobody, { upright: this.upright.object.quaternion, still });
+    const eye = this.rig.tick(elapsed_ms, this.nobody, {
+      upright: this.upright.object.quaternion,
+      still,
+    });
     this.renderer.info.reset();
     for (const { scans, x, y, width, height } of this.parts()) {
       this.points.forEach((layer, scan) => layer.setVisible(scans.includes(scan as 0 | 1)));
@@ -211,7 +264,11 @@ export class CompareScene {
     this.rig.resize(part!.width / part!.height);
     const ratio = this.renderer.getPixelRatio();
     for (const layer of this.points)
-      layer.onResize({ width_px: part!.width * ratio, height_px: part!.height * ratio, verticalFov_rad: this.rig.verticalFov_rad });
+      layer.onResize({
+        width_px: part!.width * ratio,
+        height_px: part!.height * ratio,
+        verticalFov_rad: this.rig.verticalFov_rad,
+      });
     this.requestDraw();
   }
 }
@@ -222,7 +279,8 @@ function boxLines(): LineSegments<BufferGeometry, LineBasicMaterial> {
   for (let corner = 0; corner < 8; ++corner)
     for (let axis = 0; axis < 3; ++axis) {
       if (corner & (1 << axis)) continue;
-      for (const one of [corner, corner | (1 << axis)]) ends.push((one & 1) - 0.5, ((one >> 1) & 1) - 0.5, ((one >> 2) & 1) - 0.5);
+      for (const one of [corner, corner | (1 << axis)])
+        ends.push((one & 1) - 0.5, ((one >> 1) & 1) - 0.5, ((one >> 2) & 1) - 0.5);
     }
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new Float32BufferAttribute(ends, 3));

@@ -1,5 +1,5 @@
-// How shaders show how well a place was seen: the same on points and on the surface. Orange and blue look different to everybody; stripes say it without
-// colours.
+// How shaders show how well a place was seen: the same on points and on the surface. Orange and
+// blue look different to everybody; stripes say it without colours.
 import { goodConfidence, lowConfidence } from '../state/coverage';
 
 export const coverageDefines = { COVERAGE_LOW: lowConfidence, COVERAGE_GOOD: goodConfidence };

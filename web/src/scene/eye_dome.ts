@@ -1,5 +1,6 @@
-// Eye-dome lighting (Boucheny, as Potree has it): a point is darker the further it lies behind its neighbours in the image, so that edges and shapes
-// are seen without normals. Points are drawn into an image of their own, which then stands in the scene with its depth.
+// Eye-dome lighting (Boucheny, as Potree has it): a point is darker the further it lies behind its
+// neighbours in the image, so that edges and shapes are seen without normals. Points are drawn into
+// an image of their own, which then stands in the scene with its depth.
 import {
   DepthTexture,
   Mesh,
@@ -73,7 +74,10 @@ export class EyeDome implements Layer {
       strength: { value: strength },
       darkest: { value: darkest },
     };
-    this.object = new Mesh(new PlaneGeometry(2, 2), new ShaderMaterial({ vertexShader, fragmentShader, uniforms }));
+    this.object = new Mesh(
+      new PlaneGeometry(2, 2),
+      new ShaderMaterial({ vertexShader, fragmentShader, uniforms }),
+    );
     this.object.frustumCulled = false;
     this.object.visible = false;
   }
@@ -85,7 +89,13 @@ export class EyeDome implements Layer {
   }
 
   // All of the scene, with the points in it as they are, or lit.
-  draw(renderer: WebGLRenderer, scene: Scene, camera: PerspectiveCamera, points: Object3D, lit: boolean): void {
+  draw(
+    renderer: WebGLRenderer,
+    scene: Scene,
+    camera: PerspectiveCamera,
+    points: Object3D,
+    lit: boolean,
+  ): void {
     this.object.visible = false;
     if (!lit) {
       camera.layers.enable(ofPoints);

@@ -1,7 +1,11 @@
 import { describe, expect, it } from 'vitest';
 import { fittingDistance_m, framingOf, type Box } from './framing';
 
-const cube = (x: number, weight: number): Box => ({ min_m: [x, 0, 0], max_m: [x + 1, 1, 1], weight });
+const cube = (x: number, weight: number): Box => ({
+  min_m: [x, 0, 0],
+  max_m: [x + 1, 1, 1],
+  weight,
+});
 
 describe('framingOf', () => {
   it('is the middle of all boxes, with the floor at the largest y', () => {

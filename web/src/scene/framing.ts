@@ -1,4 +1,5 @@
-// Where to stand so that a scan is seen as a whole. World: x right, y down, z forward of the first camera.
+// Where to stand so that a scan is seen as a whole. World: x right, y down, z
+// forward of the first camera.
 
 export interface Box {
   readonly min_m: readonly [number, number, number];
@@ -12,7 +13,8 @@ export interface Framing {
   readonly floor_y_m: number; // the lowest part; y points down
 }
 
-// A few stray points behind a window must not push the room away: this share of the points is left out at either end of each axis.
+// A few stray points behind a window must not push the room away: this share of the points is left
+// out at either end of each axis.
 const strayShare = 0.01;
 
 // A handful of points is the beginning of a room rather than a very small thing.
@@ -26,15 +28,26 @@ export function framingOf(boxes: readonly Box[]): Framing | null {
   if (filled.length === 0) return null;
   const low = [0, 1, 2].map((axis) => quantile(filled, strayShare, (box) => box.min_m[axis]!));
   const high = [0, 1, 2].map((axis) => quantile(filled, 1 - strayShare, (box) => box.max_m[axis]!));
-  const center_m = [0, 1, 2].map((axis) => (low[axis]! + high[axis]!) / 2) as [number, number, number];
+  const center_m = [0, 1, 2].map((axis) => (low[axis]! + high[axis]!) / 2) as [
+    number,
+    number,
+    number,
+  ];
   const points = filled.reduce((sum, box) => sum + box.weight, 0);
   const atLeast_m = points < beginning_points ? beginningRadius_m : smallestRadius_m;
-  const radius_m = Math.max(atLeast_m, Math.hypot(high[0]! - low[0]!, high[1]! - low[1]!, high[2]! - low[2]!) / 2);
+  const radius_m = Math.max(
+    atLeast_m,
+    Math.hypot(high[0]! - low[0]!, high[1]! - low[1]!, high[2]! - low[2]!) / 2,
+  );
   return { center_m, radius_m, floor_y_m: high[1]! };
 }
 
 // Distance from which a sphere fills the narrower side of the view.
-export function fittingDistance_m(radius_m: number, verticalFov_rad: number, aspect: number): number {
+export function fittingDistance_m(
+  radius_m: number,
+  verticalFov_rad: number,
+  aspect: number,
+): number {
   const horizontalFov_rad = 2 * Math.atan(Math.tan(verticalFov_rad / 2) * aspect);
   return radius_m / Math.sin(Math.min(verticalFov_rad, horizontalFov_rad) / 2);
 }

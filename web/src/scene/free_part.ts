@@ -1,4 +1,5 @@
-// The part of the image that no panel covers: on a phone, what somebody looks at belongs in its middle.
+// The part of the image that no panel covers: on a phone, what somebody looks
+// at belongs in its middle.
 import type { PerspectiveCamera } from 'three';
 
 export interface Edges {
@@ -9,7 +10,9 @@ export interface Edges {
 }
 
 export interface FreePart {
-  readonly x: number; // from the middle of the image to its middle, as a share of the image's width, to the right
+  // From the middle of the image to the middle of the part, as a share of the
+  // image's width, to the right.
+  readonly x: number;
   readonly y: number; // and of its height, downwards
   readonly width: number; // shares of the image's
   readonly height: number;
@@ -48,7 +51,8 @@ export function freePart(image: Edges, panels: readonly Edges[]): FreePart {
   return part.width >= least && part.height >= least ? part : wholeImage;
 }
 
-// What the camera looks at comes to the middle of that part. Its rays and projections are those of the shifted image from then on.
+// What the camera looks at comes to the middle of that part. Its rays and projections are those of
+// the shifted image from then on.
 export function showInMiddle(camera: PerspectiveCamera, { x, y }: Pick<FreePart, 'x' | 'y'>): void {
   const { aspect } = camera;
   if (x === 0 && y === 0) camera.clearViewOffset();

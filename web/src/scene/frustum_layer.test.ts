@@ -7,7 +7,11 @@ import { frame, poses, running } from './played';
 const camera = { width: 4, height: 2, fx: 2, fy: 2, cx: 1.5, cy: 0.5 };
 
 function points(lines: Float32Array): [number, number, number][] {
-  return Array.from({ length: lines.length / 3 }, (_, i) => [lines[3 * i]!, lines[3 * i + 1]!, lines[3 * i + 2]!]);
+  return Array.from({ length: lines.length / 3 }, (_, i) => [
+    lines[3 * i]!,
+    lines[3 * i + 1]!,
+    lines[3 * i + 2]!,
+  ]);
 }
 
 describe('frustumLines', () => {
@@ -28,7 +32,12 @@ describe('frustumLines', () => {
 // A layer whose text is only kept.
 function silent(): { layer: FrustumLayer; said: () => string } {
   let text = '';
-  const layer = new FrustumLayer({ object: new Sprite(), say: (label) => (text = label), resize: () => {}, dispose: () => {} });
+  const layer = new FrustumLayer({
+    object: new Sprite(),
+    say: (label) => (text = label),
+    resize: () => {},
+    dispose: () => {},
+  });
   layer.onEvent({ kind: 'welcome', title: '', camera });
   return { layer, said: () => text };
 }
@@ -39,7 +48,13 @@ describe('FrustumLayer', () => {
     layer.onEvent(frame(0, 1));
     const tracked = layer.object.material.color.getHex();
     expect(said()).toBe('');
-    layer.onEvent(frame(0, 1, { tracking: 'lost', timestamp_s: 4, lastTracked: { sequence: 0, timestamp_s: 0 } }));
+    layer.onEvent(
+      frame(0, 1, {
+        tracking: 'lost',
+        timestamp_s: 4,
+        lastTracked: { sequence: 0, timestamp_s: 0 },
+      }),
+    );
     expect(layer.object.material.color.getHex()).not.toBe(tracked);
     expect(said()).toBe('Go back to this view, seen 4 s ago');
     expect(layer.worldFromCamera.translation.x).toBe(1);
@@ -51,12 +66,24 @@ describe('FrustumLayer', () => {
     const { layer, said } = silent();
     layer.onEvent(running);
     layer.onEvent(frame(0, 1));
-    layer.onEvent(frame(0, 1, { tracking: 'lost', timestamp_s: 4, lastTracked: { sequence: 0, timestamp_s: 0 } }));
+    layer.onEvent(
+      frame(0, 1, {
+        tracking: 'lost',
+        timestamp_s: 4,
+        lastTracked: { sequence: 0, timestamp_s: 0 },
+      }),
+    );
     expect(layer.object.visible).toBe(true);
     layer.onEvent({ ...running, phase: 'finished' } as ScanEvent);
     expect(layer.object.visible).toBe(false);
     expect(said()).toBe('');
-    layer.onEvent(frame(0, 1, { tracking: 'lost', timestamp_s: 4, lastTracked: { sequence: 0, timestamp_s: 0 } })); // the newest, of who comes later
+    layer.onEvent(
+      frame(0, 1, {
+        tracking: 'lost',
+        timestamp_s: 4,
+        lastTracked: { sequence: 0, timestamp_s: 0 },
+      }),
+    ); // the newest, of who comes later
     expect(said()).toBe('');
     expect(layer.object.visible).toBe(false);
   });

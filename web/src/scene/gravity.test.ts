@@ -75,7 +75,10 @@ test('a sphere has no up, and nor have a few points', () => {
 
 test('the floor is the lowest large layer, below tables and above clutter', () => {
   const up = [0, -1, 0] as const;
-  const height_m = floorHeight_m(room([floor, table, { ...floor, at_m: -2.5, count: 20 }, ...walls], new Quaternion()), up);
+  const height_m = floorHeight_m(
+    room([floor, table, { ...floor, at_m: -2.5, count: 20 }, ...walls], new Quaternion()),
+    up,
+  );
   expect(height_m).toBeGreaterThan(-1.43);
   expect(height_m).toBeLessThan(-1.37);
   expect(floorHeight_m(room(walls, new Quaternion()), up)).toBeNull();

@@ -1,5 +1,6 @@
-// Which way is up, and where the floor is, from the normals of a surface: rooms have floors, tables and ceilings across gravity and walls along
-// it. World: x right, y down, z forward of the first camera, which is held more or less upright. Pure functions.
+// Which way is up, and where the floor is, from the normals of a surface: rooms have floors, tables
+// and ceilings across gravity and walls along it. World: x right, y down, z forward of the first
+// camera, which is held more or less upright. Pure functions.
 
 export type Direction = readonly [number, number, number];
 
@@ -42,7 +43,8 @@ export function upOf(samples: SurfaceSamples): Direction | null {
   for (const within_rad of fine_rad) best = refined(samples, best, within_rad);
   const { floor, ceiling, walls } = support(bins, best, coarse_rad);
   const across = floor + ceiling;
-  if (dot(best, firstCamerasUp) < leastCosine || across + walls < enough || across < enoughAcross) return null;
+  if (dot(best, firstCamerasUp) < leastCosine || across + walls < enough || across < enoughAcross)
+    return null;
   return best;
 }
 
@@ -59,8 +61,11 @@ export function floorHeight_m(samples: SurfaceSamples, up: Direction): number | 
     layers.set(layer, (layers.get(layer) ?? 0) + samples.weights[i]!);
     total += samples.weights[i]!;
   }
-  const thick = (layer: number): number => (layers.get(layer - 1) ?? 0) + (layers.get(layer) ?? 0) + (layers.get(layer + 1) ?? 0);
-  const floors = [...layers.keys()].filter((layer) => thick(layer) >= floorShare * total).sort((a, b) => a - b);
+  const thick = (layer: number): number =>
+    (layers.get(layer - 1) ?? 0) + (layers.get(layer) ?? 0) + (layers.get(layer + 1) ?? 0);
+  const floors = [...layers.keys()]
+    .filter((layer) => thick(layer) >= floorShare * total)
+    .sort((a, b) => a - b);
   if (floors.length === 0) return null;
   // Of the lowest one the middle: the fullest of the layers next to it.
   const lowest = floors[0]!;
@@ -99,7 +104,11 @@ function binned(samples: SurfaceSamples): Bin[] {
   let total = 0;
   for (let i = 0; i < samples.count; ++i) {
     const weight = samples.weights[i]!;
-    const [x, y, z] = [samples.normals[3 * i]!, samples.normals[3 * i + 1]!, samples.normals[3 * i + 2]!];
+    const [x, y, z] = [
+      samples.normals[3 * i]!,
+      samples.normals[3 * i + 1]!,
+      samples.normals[3 * i + 2]!,
+    ];
     const bin = binOf(x, y, z);
     const sum = sums.get(bin) ?? [0, 0, 0, 0];
     sum[0] += weight * x;
@@ -109,18 +118,28 @@ function binned(samples: SurfaceSamples): Bin[] {
     sums.set(bin, sum);
     total += weight;
   }
-  return [...sums.values()].map(([x, y, z, weight]) => ({ direction: unit([x, y, z]), share: weight / total }));
+  return [...sums.values()].map(([x, y, z, weight]) => ({
+    direction: unit([x, y, z]),
+    share: weight / total,
+  }));
 }
 
 function binOf(x: number, y: number, z: number): number {
   const [ax, ay, az] = [Math.abs(x), Math.abs(y), Math.abs(z)];
   const longest = Math.max(ax, ay, az);
-  const cell = (value: number): number => Math.min(binsPerEdge - 1, Math.floor(((value / longest) * 0.5 + 0.5) * binsPerEdge));
-  const [face, u, v] = longest === ax ? [x > 0 ? 0 : 1, y, z] : longest === ay ? [y > 0 ? 2 : 3, x, z] : [z > 0 ? 4 : 5, x, y];
+  const cell = (value: number): number =>
+    Math.min(binsPerEdge - 1, Math.floor(((value / longest) * 0.5 + 0.5) * binsPerEdge));
+  const [face, u, v] =
+    longest === ax
+      ? [x > 0 ? 0 : 1, y, z]
+      : longest === ay
+        ? [y > 0 ? 2 : 3, x, z]
+        : [z > 0 ? 4 : 5, x, y];
   return (face * binsPerEdge + cell(u)) * binsPerEdge + cell(v);
 }
 
-// The middles of the bins around the first camera's up: also what nothing faces, since walls alone say it, too.
+// The middles of the bins around the first camera's up: also what nothing faces, since
+// walls alone say it, too.
 function candidates(): Direction[] {
   const all: Direction[] = [firstCamerasUp];
   const middle = (cell: number): number => ((cell + 0.5) / binsPerEdge) * 2 - 1;
@@ -139,8 +158,9 @@ function candidates(): Direction[] {
   return all;
 }
 
-// The direction that floors and ceilings around it face best and walls lie along best: of M = sum w n nT over the walls less that over the others the
-// eigenvector of the smallest eigenvalue, which powers of (trace - M) grow towards.
+// The direction that floors and ceilings around it face best and walls lie along best: of
+// M = sum w n nT over the walls less that over the others the eigenvector of the smallest
+// eigenvalue, which powers of (trace - M) grow towards.
 function refined(samples: SurfaceSamples, up: Direction, within_rad: number): Direction {
   const [across, along] = [Math.cos(within_rad), Math.sin(within_rad)];
   const m = [0, 0, 0, 0, 0, 0]; // xx xy xz yy yz zz
@@ -150,7 +170,11 @@ function refined(samples: SurfaceSamples, up: Direction, within_rad: number): Di
     const sign = Math.abs(cosine) > across ? -1 : Math.abs(cosine) < along ? 1 : 0;
     if (sign === 0) continue;
     const weight = sign * samples.weights[i]!;
-    const [x, y, z] = [samples.normals[3 * i]!, samples.normals[3 * i + 1]!, samples.normals[3 * i + 2]!];
+    const [x, y, z] = [
+      samples.normals[3 * i]!,
+      samples.normals[3 * i + 1]!,
+      samples.normals[3 * i + 2]!,
+    ];
     [x * x, x * y, x * z, y * y, y * z, z * z].forEach((product, k) => (m[k]! += weight * product));
     total += samples.weights[i]!;
   }
@@ -172,7 +196,11 @@ function dot(a: Direction, b: Direction): number {
 }
 
 function dotAt(values: Float32Array, i: number, direction: Direction): number {
-  return values[3 * i]! * direction[0] + values[3 * i + 1]! * direction[1] + values[3 * i + 2]! * direction[2];
+  return (
+    values[3 * i]! * direction[0] +
+    values[3 * i + 1]! * direction[1] +
+    values[3 * i + 2]! * direction[2]
+  );
 }
 
 function unit([x, y, z]: Direction): Direction {

@@ -1,5 +1,12 @@
-// A quiet floor: one line a metre, fading away from the middle of the scan. Hidden until the floor's height is known.
-import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, type Color } from 'three';
+// A quiet floor: one line a metre, fading away from the middle of the scan. Hidden until the
+// floor's height is known.
+import {
+  BufferAttribute,
+  BufferGeometry,
+  LineBasicMaterial,
+  LineSegments,
+  type Color,
+} from 'three';
 import type { Framing } from './framing';
 import type { Layer } from './layer';
 
@@ -9,7 +16,10 @@ export class GridLayer implements Layer {
   readonly object: LineSegments<BufferGeometry, LineBasicMaterial>;
 
   constructor() {
-    this.object = new LineSegments(gridGeometry(), new LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false }));
+    this.object = new LineSegments(
+      gridGeometry(),
+      new LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false }),
+    );
     this.object.visible = false;
     this.object.renderOrder = -1;
   }
@@ -18,9 +28,14 @@ export class GridLayer implements Layer {
     this.object.material.color.copy(color);
   }
 
-  // On whole metres, so that the lines stay put while the scan grows. A little below the floor, which it would flicker in.
+  // On whole metres, so that the lines stay put while the scan grows. A little below the floor,
+  // which it would flicker in.
   placeUnder(framing: Framing): void {
-    this.object.position.set(Math.round(framing.center_m[0]), framing.floor_y_m + 0.01, Math.round(framing.center_m[2]));
+    this.object.position.set(
+      Math.round(framing.center_m[0]),
+      framing.floor_y_m + 0.01,
+      Math.round(framing.center_m[2]),
+    );
     this.object.visible = true;
   }
 

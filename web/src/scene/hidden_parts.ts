@@ -1,17 +1,21 @@
-// What of a model is not shown: what lies outside of the clip box, and what the boxes of edits have taken out. Shaders and clicks ask the same.
+// What of a model is not shown: what lies outside of the clip box, and what the boxes of edits have
+// taken out. Shaders and clicks ask the same.
 import { Matrix4, Vector3 } from 'three';
 import { threeOf, type Axes } from '../state/axes';
 import type { Box } from '../state/cutting';
 import { mostEdits, type BoxEdit } from '../state/editing';
 
 const slack_m = 2e-4; // what lies in a face is shown, as numbers are rounded
-const everything = new Matrix4().set(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1); // all places are in the middle of the box
+// All places are in the middle of this box.
+const everything = new Matrix4().set(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);
 
 // Of a place inside of a box no coordinate is beyond one.
 export interface HiddenUniforms {
   readonly clip: { readonly value: Matrix4 }; // boxFromScene
-  readonly editBoxes: { readonly value: readonly Matrix4[] }; // boxFromScene, of the first editCount
-  readonly editKeeps: { readonly value: number[] }; // 1: what is inside is shown, 0: what is outside
+  // boxFromScene of the first `editCount` edits.
+  readonly editBoxes: { readonly value: readonly Matrix4[] };
+  // 1: what is inside of the box is shown, 0: what is outside of it.
+  readonly editKeeps: { readonly value: number[] };
   readonly editCount: { value: number };
 }
 
@@ -90,7 +94,9 @@ function boxFromWorld(axes: Axes, { low_m, high_m }: Box, grown_m: number): Matr
   const middle = new Vector3();
   const [x, y, z] = threeOf(axes).map((axis, k) => {
     middle.addScaledVector(new Vector3(...axis), (low_m[k]! + high_m[k]!) / 2);
-    return new Vector3(...axis).multiplyScalar(Math.max(slack_m, (high_m[k]! - low_m[k]!) / 2 + grown_m));
+    return new Vector3(...axis).multiplyScalar(
+      Math.max(slack_m, (high_m[k]! - low_m[k]!) / 2 + grown_m),
+    );
   }) as [Vector3, Vector3, Vector3];
   return new Matrix4().makeBasis(x, y, z).setPosition(middle).invert();
 }

@@ -9,8 +9,12 @@ let pacing: ImagePacing;
 
 beforeEach(() => {
   vi.useFakeTimers({ toFake: ['setTimeout', 'clearTimeout', 'performance'] });
-  vi.stubGlobal('requestAnimationFrame', (draw: (now_ms: number) => void) => setTimeout(() => draw(performance.now()), image_ms));
-  vi.stubGlobal('cancelAnimationFrame', (request: ReturnType<typeof setTimeout>) => clearTimeout(request));
+  vi.stubGlobal('requestAnimationFrame', (draw: (now_ms: number) => void) =>
+    setTimeout(() => draw(performance.now()), image_ms),
+  );
+  vi.stubGlobal('cancelAnimationFrame', (request: ReturnType<typeof setTimeout>) =>
+    clearTimeout(request),
+  );
   [image_ms, motion, elapsed_ms] = [10, 'none', []];
   pacing = new ImagePacing((elapsed) => {
     elapsed_ms.push(elapsed);

@@ -1,4 +1,5 @@
-// When the next image of a scan is drawn: as soon as something has changed, or after a pause where images are slow and change by themselves.
+// When the next image of a scan is drawn: as soon as something has changed, or after a pause where
+// images are slow and change by themselves.
 
 const longestStep_ms = 400; // after an idle time nothing leaps
 const fpsWindow_ms = 2000;
@@ -6,7 +7,8 @@ const slowImage_ms = 60;
 const longestPause_ms = 1000;
 const mostTimes_count = 480; // of drawn images, before the old ones are forgotten
 
-// What an image leaves to the next one: somebody's hand moves it, it moves by itself, or it may rest.
+// What an image leaves to the next one: somebody's hand moves it, it moves
+// by itself, or it may rest.
 export type Motion = 'byHand' | 'byItself' | 'none';
 
 export class ImagePacing {
@@ -24,19 +26,23 @@ export class ImagePacing {
 
   request(): void {
     clearTimeout(this.pause);
-    this.pause = undefined; // first: a pause that has run out must not look like one that still runs
+    // Forgotten first: a pause that has run out must not look like one that still runs.
+    this.pause = undefined;
     if (this.frameRequest !== 0 || this.disposed) return;
     this.requested_ms = performance.now();
     this.frameRequest = requestAnimationFrame((now_ms) => this.onFrame(now_ms));
   }
 
-  // For what changes by itself. Where images are slow (no graphics card), a pause leaves the processor to decoding and to the viewer's own hand.
+  // For what changes by itself. Where images are slow (no graphics card), a pause leaves the
+  // processor to decoding and to the viewer's own hand.
   requestInTime(): void {
     if (this.image_ms < slowImage_ms) this.request();
-    else this.pause ??= setTimeout(() => this.request(), Math.min(longestPause_ms, 3 * this.image_ms));
+    else
+      this.pause ??= setTimeout(() => this.request(), Math.min(longestPause_ms, 3 * this.image_ms));
   }
 
-  // `then` is called once, with the time at which the next image is done. Only the first one that waits is kept.
+  // `then` is called once, with the time at which the next image is done. Only the
+  // first one that waits is kept.
   whenDrawn(then: (drawn_ms: number) => void): void {
     this.onDrawn ??= then;
   }

@@ -13,7 +13,8 @@ describe('anchored', () => {
       expect(at - share * 0.4).toBeGreaterThanOrEqual(-0.98 - 1e-9);
       expect(at + (1 - share) * 0.4).toBeLessThanOrEqual(0.98 + 1e-9);
     }
-    expect(anchored(-0.3, 0.95, 0.1, 1)).toBeCloseTo(0.5); // below its usual place, so that it ends at the upper edge
+    // It is below its usual place, so that it ends at the upper edge.
+    expect(anchored(-0.3, 0.95, 0.1, 1)).toBeCloseTo(0.5);
   });
 
   it('shows the beginning of what is too wide', () => {

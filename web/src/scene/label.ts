@@ -1,5 +1,6 @@
-// Text in the image: upright and of the same size from everywhere, above the point where it stands, and never hidden. At the edges of the
-// image it moves aside, as far as it has to be read whole, and fades as its point leaves the image.
+// Text in the image: upright and of the same size from everywhere, above the point where it stands,
+// and never hidden. At the edges of the image it moves aside, as far as it has to be read whole,
+// and fades as its point leaves the image.
 import { CanvasTexture, Sprite, SpriteMaterial, SRGBColorSpace, Vector3, type Camera } from 'three';
 import type { ViewSize } from './layer';
 
@@ -11,7 +12,9 @@ const margin_px = 6; // to the edges of the image
 const fading = 0.04; // of half of the image: so near at an edge its point leaves it
 
 export class Label {
-  readonly object = new Sprite(new SpriteMaterial({ sizeAttenuation: false, depthTest: false, transparent: true }));
+  readonly object = new Sprite(
+    new SpriteMaterial({ sizeAttenuation: false, depthTest: false, transparent: true }),
+  );
   private text = '';
   private aspect = 1;
   private perPixel = 0.001; // height of a pixel on the screen, at a distance of 1
@@ -47,13 +50,17 @@ export class Label {
   private keepInside(camera: Camera): void {
     const { object, perPixel } = this;
     const { x, y } = new Vector3().setFromMatrixPosition(object.matrixWorld).project(camera);
-    const [across = 1, , , , , up = 1] = camera.projectionMatrix.elements; // from lengths at a distance of 1 to halves of the image
+    // The projection leads from lengths at a distance of 1 to halves of the image.
+    const [across = 1, , , , , up = 1] = camera.projectionMatrix.elements;
     const margin = margin_px * perPixel;
     object.center.set(
       anchored(0.5, x, object.scale.x * across, 1 - margin * across),
       anchored(-this.above, y, object.scale.y * up, 1 - margin * up),
     );
-    object.material.opacity = Math.min(1, Math.max(0, (1 - Math.max(Math.abs(x), Math.abs(y))) / fading));
+    object.material.opacity = Math.min(
+      1,
+      Math.max(0, (1 - Math.max(Math.abs(x), Math.abs(y))) / fading),
+    );
   }
 
   private write(text: string): void {
@@ -85,8 +92,8 @@ export class Label {
   }
 }
 
-// Where on it something stands at `at`, as a share of its size, so that all of it is between -edge and edge: `usual`, if it can be. What is too large
-// begins at -edge.
+// Where on it something stands at `at`, as a share of its size, so that all of it is between -edge
+// and edge: `usual`, if it can be. What is too large begins at -edge.
 export function anchored(usual: number, at: number, size: number, edge: number): number {
   return Math.min(Math.max(usual, 1 - (edge - at) / size), (at + edge) / size);
 }

@@ -77,9 +77,9 @@ describe('LiveMeshLayer', () => {
     say(piece(3, 0));
     const { index } = (layer.object.children[0] as Mesh).geometry;
     // As they are drawn: three corners after the other, from the beginning on.
-    const drawn = Array.from({ length: index!.count / 3 }, (_, t) => [0, 1, 2].map((i) => index!.getX(3 * t + i))).filter(
-      ([a, b, c]) => a !== b && b !== c,
-    );
+    const drawn = Array.from({ length: index!.count / 3 }, (_, t) =>
+      [0, 1, 2].map((i) => index!.getX(3 * t + i)),
+    ).filter(([a, b, c]) => a !== b && b !== c);
     expect(drawn).toEqual([
       [0, 1, 2],
       [48, 49, 50],
@@ -99,7 +99,7 @@ describe('LiveMeshLayer', () => {
     expect(layer.hasConfidences).toBe(true);
   });
 
-  it('counts the vertices that it holds by their confidences, and not those that were replaced or taken away', () => {
+  it('counts the vertices that it holds by their confidences, and not those that are gone', () => {
     const { layer, say } = world();
     for (let x = 0; x < 3; ++x) say(piece(x, 0, seen(3)));
     say(piece(1, 0, seen(12)));
@@ -113,7 +113,10 @@ describe('LiveMeshLayer', () => {
     const { layer, say } = world();
     say(piece(0, 0, seen(3)));
     const modes = (): unknown[] =>
-      layer.object.children.map((side) => ((side as Mesh).material as ShaderMaterial).uniforms['colorMode']!.value as unknown);
+      layer.object.children.map(
+        (side) =>
+          ((side as Mesh).material as ShaderMaterial).uniforms['colorMode']!.value as unknown,
+      );
     layer.onOptions({ ...initialViewOptions, meshColor: 'normal', coverage: true });
     expect(modes()).toEqual([coverageMode, coverageMode]);
     layer.onOptions({ ...initialViewOptions, meshColor: 'normal' });
@@ -126,7 +129,9 @@ describe('LiveMeshLayer', () => {
     submaps.tick(1000);
     say(piece(0, 3));
     const hit = layer.pick(new Ray(new Vector3(5.2, 0.2, 2), new Vector3(0, 0, -1)));
-    expect(hit!.point_m.toArray().map((value) => Math.round(100 * value) / 100)).toEqual([5.2, 0.2, 0]);
+    expect(hit!.point_m.toArray().map((value) => Math.round(100 * value) / 100)).toEqual([
+      5.2, 0.2, 0,
+    ]);
     expect(hit!.normal.z).toBeCloseTo(1);
     expect(hit!.distance_m).toBeCloseTo(2);
     expect(layer.pick(new Ray(new Vector3(5.2, 0.2, -2), new Vector3(0, 0, 1)))).toBeNull();

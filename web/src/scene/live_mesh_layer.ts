@@ -1,4 +1,5 @@
-// The surface of a scan that runs, from both sides. Pieces of all submaps share a few buffers, and a correction moves submaps and touches none of them.
+// The surface of a scan that runs, from both sides. Pieces of all submaps share a few buffers, and
+// a correction moves submaps and touches none of them.
 import { Box3, Group, Matrix4, Ray, Vector3 } from 'three';
 import type { MeshCube, MeshPiece, ScanEvent } from '../connection/events';
 import { nameOfCube } from '../state/chunk_ledger';
@@ -34,7 +35,14 @@ export class LiveMeshLayer implements Layer {
     private readonly hidden = new HiddenParts(),
   ) {
     const sideOf = (back: boolean): MeshMaterial =>
-      new MeshMaterial({ back, map: null, color: 'srgb', confidences: true, poses: submaps.poses.uniform, hidden: hidden.uniforms });
+      new MeshMaterial({
+        back,
+        map: null,
+        color: 'srgb',
+        confidences: true,
+        poses: submaps.poses.uniform,
+        hidden: hidden.uniforms,
+      });
     this.materials = { front: sideOf(false), back: sideOf(true) };
   }
 
@@ -56,7 +64,9 @@ export class LiveMeshLayer implements Layer {
   }
 
   onOptions(options: ViewOptions): void {
-    const colorMode = options.coverage ? coverageMode : meshColors.indexOf(shownMeshColor(options, false));
+    const colorMode = options.coverage
+      ? coverageMode
+      : meshColors.indexOf(shownMeshColor(options, false));
     const look = { colorMode, veil: options.hideBacks };
     this.materials.front.show(look);
     this.materials.back.show(look);
@@ -72,18 +82,25 @@ export class LiveMeshLayer implements Layer {
     const box = new Box3();
     return [...this.pieces.values()].map((piece) => {
       box.copy(piece.box).applyMatrix4(this.submaps.groupOf(piece.submap).matrix);
-      return { min_m: box.min.toArray(), max_m: box.max.toArray(), weight: piece.range.vertexCount };
+      return {
+        min_m: box.min.toArray(),
+        max_m: box.max.toArray(),
+        weight: piece.range.vertexCount,
+      };
     });
   }
 
   // Some of the corners, evenly.
   sample(into: SampleCollector): void {
     for (const { batch, range, submap } of this.pieces.values())
-      into.add(range.vertexCount, this.submaps.groupOf(submap).matrix, (i) => batch.vertexAt(range.vertices.start + i));
+      into.add(range.vertexCount, this.submaps.groupOf(submap).matrix, (i) =>
+        batch.vertexAt(range.vertices.start + i),
+      );
   }
 
-  // How many vertices there are of each confidence, which is an eighth of the index. There is about one for each cell that the surface passes through, so
-  // shares of them are shares of its area; the few between two pieces count in both.
+  // How many vertices there are of each confidence, which is an eighth of the index. There is about
+  // one for each cell that the surface passes through, so shares of them are shares of its area;
+  // the few between two pieces count in both.
   confidences(): Uint32Array {
     const counts = new Uint32Array(256);
     for (const { batch, range } of this.pieces.values()) batch.countConfidences(range, counts);
@@ -100,7 +117,9 @@ export class LiveMeshLayer implements Layer {
       if (!ray.intersectsBox(box.copy(within).applyMatrix4(matrix))) continue;
       own.copy(ray).applyMatrix4(submapFromWorld.copy(matrix).invert());
       for (let i = range.corners.start; i < range.corners.start + range.cornerCount; i += 3) {
-        [a, b, c].forEach((corner, k) => corner.fromArray(batch.vertexAt(batch.cornerAt(i + k)).position_m));
+        [a, b, c].forEach((corner, k) =>
+          corner.fromArray(batch.vertexAt(batch.cornerAt(i + k)).position_m),
+        );
         if (!own.intersectTriangle(a, b, c, true, point)) continue;
         const distance_m = point.distanceTo(own.origin);
         if (best && distance_m >= best.distance_m) continue;
@@ -126,7 +145,10 @@ export class LiveMeshLayer implements Layer {
           .toArray(positions_m, 3 * i);
       return {
         positions_m,
-        index: Uint32Array.from({ length: range.cornerCount }, (_, i) => batch.cornerAt(range.corners.start + i) - range.vertices.start),
+        index: Uint32Array.from(
+          { length: range.cornerCount },
+          (_, i) => batch.cornerAt(range.corners.start + i) - range.vertices.start,
+        ),
       };
     });
   }
@@ -179,6 +201,7 @@ export class LiveMeshLayer implements Layer {
 function boxOf(positions_m: Float32Array): Box3 {
   const box = new Box3();
   const point = new Vector3();
-  for (let i = 0; i < positions_m.length; i += 3) box.expandByPoint(point.fromArray(positions_m, i));
+  for (let i = 0; i < positions_m.length; i += 3)
+    box.expandByPoint(point.fromArray(positions_m, i));
   return box;
 }

@@ -23,7 +23,7 @@ const area: Measured = {
   words: '1.000 m² ± 0.003 m² (95 %)',
 };
 
-test('what was measured has its lines and text, an area its surface, and what was chosen its points and the way along them', () => {
+test('what was measured has lines and text, an area its surface, chosen points their way', () => {
   const said: string[] = [];
   let disposed = 0;
   const layer = new MeasureLayer(() => ({
@@ -32,7 +32,8 @@ test('what was measured has its lines and text, an area its surface, and what wa
     resize: () => {},
     dispose: () => ++disposed,
   }));
-  const visible = (): boolean[] => layer.object.children.slice(0, 3).map((child) => child.visible); // lines, ends, patches
+  // The lines, the ends and the patches of planes.
+  const visible = (): boolean[] => layer.object.children.slice(0, 3).map((child) => child.visible);
   expect(visible()).toEqual([false, false, false]);
   layer.show([], [[1, 1, 1]]);
   expect(visible()).toEqual([false, true, false]);

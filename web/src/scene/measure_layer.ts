@@ -1,5 +1,15 @@
-// What was measured: lines, patches of planes and text, in front of everything, and the points that were chosen so far.
-import { BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, MeshBasicMaterial, Points, PointsMaterial } from 'three';
+// What was measured: lines, patches of planes and text, in front of everything, and the points
+// that were chosen so far.
+import {
+  BufferAttribute,
+  BufferGeometry,
+  DoubleSide,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  Points,
+  PointsMaterial,
+} from 'three';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
@@ -23,11 +33,23 @@ export class MeasureLayer implements Layer {
   );
   private readonly ends = new Points(
     new BufferGeometry(),
-    new PointsMaterial({ color, size: end_px, sizeAttenuation: false, depthTest: false, transparent: true }),
+    new PointsMaterial({
+      color,
+      size: end_px,
+      sizeAttenuation: false,
+      depthTest: false,
+      transparent: true,
+    }),
   );
   private readonly patches = new Mesh(
     new BufferGeometry(),
-    new MeshBasicMaterial({ color, opacity: patchOpacity, side: DoubleSide, depthTest: false, transparent: true }),
+    new MeshBasicMaterial({
+      color,
+      opacity: patchOpacity,
+      side: DoubleSide,
+      depthTest: false,
+      transparent: true,
+    }),
   );
   private labels: TextLabel[] = [];
   private size: ViewSize | null = null;
@@ -85,9 +107,15 @@ export class MeasureLayer implements Layer {
   }
 }
 
-function fill(object: Points<BufferGeometry> | Mesh<BufferGeometry>, places: readonly Place[]): void {
+function fill(
+  object: Points<BufferGeometry> | Mesh<BufferGeometry>,
+  places: readonly Place[],
+): void {
   object.geometry.dispose();
   object.geometry = new BufferGeometry();
-  object.geometry.setAttribute('position', new BufferAttribute(Float32Array.from(places.flat()), 3));
+  object.geometry.setAttribute(
+    'position',
+    new BufferAttribute(Float32Array.from(places.flat()), 3),
+  );
   object.visible = places.length > 0;
 }

@@ -17,7 +17,9 @@ const measured = (kind: Measured['kind'], more: Partial<Measured> = {}): Measure
 const areaOf = (triangles: readonly Place[]): number => {
   let sum = 0;
   for (let i = 0; i < triangles.length; i += 3)
-    sum += new Triangle(...([0, 1, 2].map((k) => new Vector3(...triangles[i + k]!)) as [Vector3, Vector3, Vector3])).getArea();
+    sum += new Triangle(
+      ...([0, 1, 2].map((k) => new Vector3(...triangles[i + k]!)) as [Vector3, Vector3, Vector3]),
+    ).getArea();
   return sum;
 };
 
@@ -30,7 +32,12 @@ test('a distance to a plane goes straight across to it, and on it to where it wa
 });
 
 test('a height goes up, and then across', () => {
-  expect(shapeOf(measured('height', { up: [0, -1, 0] })).lines).toEqual([first, [0, 2, 1], [0, 2, 1], second]);
+  expect(shapeOf(measured('height', { up: [0, -1, 0] })).lines).toEqual([
+    first,
+    [0, 2, 1],
+    [0, 2, 1],
+    second,
+  ]);
 });
 
 test('an angle has both of its planes', () => {

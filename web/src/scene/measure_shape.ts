@@ -1,4 +1,5 @@
-// What is drawn of a measurement: lines, a translucent surface and where its text stands, in the world of the scan. Pure.
+// What is drawn of a measurement: lines, a translucent surface and where its text stands, in the
+// world of the scan. Pure.
 import { ShapeUtils, Vector2, Vector3 } from 'three';
 import type { Measured, Place } from '../connection/measurements';
 
@@ -13,7 +14,12 @@ export interface MeasureShape {
 
 export function shapeOf({ kind, points, normals, up }: Measured): MeasureShape {
   const [first, second] = points.map(vector) as [Vector3, Vector3];
-  const straight = { lines: placesOf([first, second]), triangles: [], ends: points, labelPlace: middleOf(first, second) };
+  const straight = {
+    lines: placesOf([first, second]),
+    triangles: [],
+    ends: points,
+    labelPlace: middleOf(first, second),
+  };
   switch (kind) {
     case 'distance':
       return straight;
@@ -30,10 +36,20 @@ export function shapeOf({ kind, points, normals, up }: Measured): MeasureShape {
     case 'height': {
       const along = vector(up!);
       const corner = first.clone().addScaledVector(along, along.dot(second.clone().sub(first)));
-      return { ...straight, lines: placesOf([first, corner, corner, second]), labelPlace: middleOf(first, corner) };
+      return {
+        ...straight,
+        lines: placesOf([first, corner, corner, second]),
+        labelPlace: middleOf(first, corner),
+      };
     }
     case 'angle':
-      return { ...straight, triangles: [...patchAt(first, vector(normals[0]!)), ...patchAt(second, vector(normals[1]!))] };
+      return {
+        ...straight,
+        triangles: [
+          ...patchAt(first, vector(normals[0]!)),
+          ...patchAt(second, vector(normals[1]!)),
+        ],
+      };
     case 'area':
       return outlineOf(points);
   }
@@ -46,7 +62,9 @@ export function linesThrough(points: readonly Place[]): Place[] {
 
 function outlineOf(points: readonly Place[]): MeasureShape {
   const corners = points.map(vector);
-  const middle = corners.reduce((sum, corner) => sum.add(corner), new Vector3()).divideScalar(corners.length);
+  const middle = corners
+    .reduce((sum, corner) => sum.add(corner), new Vector3())
+    .divideScalar(corners.length);
   // Newell's: the outline's normal, as long as twice its area.
   const normal = new Vector3();
   corners.forEach((corner, i) =>
@@ -59,7 +77,10 @@ function outlineOf(points: readonly Place[]): MeasureShape {
   );
   const along = acrossOf(normal.normalize());
   const across = normal.clone().cross(along);
-  const flat = corners.map((corner) => new Vector2(corner.clone().sub(middle).dot(along), corner.clone().sub(middle).dot(across)));
+  const flat = corners.map(
+    (corner) =>
+      new Vector2(corner.clone().sub(middle).dot(along), corner.clone().sub(middle).dot(across)),
+  );
   const triangles = ShapeUtils.triangulateShape(flat, []).flat();
   return {
     lines: linesThrough([...points, points[0]!]),
@@ -72,7 +93,8 @@ function outlineOf(points: readonly Place[]): MeasureShape {
 function patchAt(middle: Vector3, normal: Vector3): Place[] {
   const along = acrossOf(normal).multiplyScalar(patch_m);
   const across = normal.clone().cross(along);
-  const corner = (u: number, v: number): Vector3 => middle.clone().addScaledVector(along, u).addScaledVector(across, v);
+  const corner = (u: number, v: number): Vector3 =>
+    middle.clone().addScaledVector(along, u).addScaledVector(across, v);
   const [a, b, c, d] = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
   return placesOf([a, b, c, a, c, d]);
 }

@@ -3,7 +3,8 @@ import { BufferAttribute, BufferGeometry, Mesh, type Material, type Vector3 } fr
 import type { MeshPiece } from '../connection/events';
 import { RangeAllocator } from './range_allocator';
 
-// A piece that grows by a few corners stays where it is. A multiple of 3, or triangles would begin within those of the piece before.
+// A piece that grows by a few corners stays where it is. A multiple of 3, or triangles would begin
+// within those of the piece before.
 const grain = 48;
 const cornersPerVertex = 6; // of a closed surface of triangles
 
@@ -31,7 +32,11 @@ export class MeshBatch {
   private readonly index: BufferAttribute;
 
   // `least`: the piece that must have room.
-  constructor(capacity: number, least: MeshPiece, materials: { readonly front: Material; readonly back: Material }) {
+  constructor(
+    capacity: number,
+    least: MeshPiece,
+    materials: { readonly front: Material; readonly back: Material },
+  ) {
     const vertexCapacity = Math.max(capacity, least.positions_m.length / 3);
     const cornerCapacity = Math.max(cornersPerVertex * vertexCapacity, least.index.length);
     this.vertices = new RangeAllocator(vertexCapacity);
@@ -42,7 +47,12 @@ export class MeshBatch {
     this.rows = new BufferAttribute(new Float32Array(vertexCapacity), 1);
     this.index = new BufferAttribute(new Uint32Array(cornerCapacity), 1);
     const geometry = new BufferGeometry();
-    for (const [name, attribute] of Object.entries({ position: this.positions, normal: this.normals, color: this.colors, row: this.rows }))
+    for (const [name, attribute] of Object.entries({
+      position: this.positions,
+      normal: this.normals,
+      color: this.colors,
+      row: this.rows,
+    }))
       geometry.setAttribute(name, attribute);
     geometry.setIndex(this.index);
     this.front = new Mesh(geometry, materials.front);
@@ -72,9 +82,11 @@ export class MeshBatch {
     this.normals.array.set(piece.normals, vertices.start * 4);
     this.colors.array.set(piece.colors, vertices.start * 4);
     this.rows.array.fill(row, vertices.start, vertices.start + vertexCount);
-    for (let i = 0; i < cornerCount; ++i) this.index.array[corners.start + i] = piece.index[i]! + vertices.start;
+    for (let i = 0; i < cornerCount; ++i)
+      this.index.array[corners.start + i] = piece.index[i]! + vertices.start;
     this.index.array.fill(0, corners.start + cornerCount, corners.start + corners.reserved);
-    for (const attribute of [this.positions, this.normals, this.colors, this.rows]) renew(attribute, vertices);
+    for (const attribute of [this.positions, this.normals, this.colors, this.rows])
+      renew(attribute, vertices);
     renew(this.index, corners);
     this.front.geometry.setDrawRange(0, this.corners.end);
     return { vertices, vertexCount, corners, cornerCount };
@@ -90,7 +102,10 @@ export class MeshBatch {
   }
 
   // In the frame of its submap.
-  vertexAt(i: number): { readonly position_m: readonly [number, number, number]; readonly normal: readonly [number, number, number] } {
+  vertexAt(i: number): {
+    readonly position_m: readonly [number, number, number];
+    readonly normal: readonly [number, number, number];
+  } {
     return {
       position_m: [this.positions.getX(i), this.positions.getY(i), this.positions.getZ(i)],
       normal: [this.normals.getX(i), this.normals.getY(i), this.normals.getZ(i)],
@@ -109,7 +124,8 @@ export class MeshBatch {
 
   // Adds vertices by their eighths of confidence, 256 of them.
   countConfidences({ vertices, vertexCount }: PieceRange, into: Uint32Array): void {
-    for (let i = vertices.start; i < vertices.start + vertexCount; ++i) ++into[this.colors.array[4 * i + 3]!]!;
+    for (let i = vertices.start; i < vertices.start + vertexCount; ++i)
+      ++into[this.colors.array[4 * i + 3]!]!;
   }
 
   dispose(): void {

@@ -1,4 +1,12 @@
-import { BufferAttribute, BufferGeometry, Group, Mesh, MeshBasicMaterial, Texture, Vector3 } from 'three';
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  Texture,
+  Vector3,
+} from 'three';
 import { describe, expect, it } from 'vitest';
 import { initialViewOptions } from '../state/view_options';
 import { MeshLayer } from './mesh_layer';
@@ -6,14 +14,21 @@ import type { MeshMaterial } from './mesh_material';
 
 function gltf(map: Texture | null = null): Group {
   const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(Float32Array.of(1, 2, 3, 2, 2, 3, 1, 3, 3), 3));
-  geometry.setAttribute('color', new BufferAttribute(Uint8Array.of(255, 0, 0, 255, 0, 0, 255, 0, 0), 3, true));
+  geometry.setAttribute(
+    'position',
+    new BufferAttribute(Float32Array.of(1, 2, 3, 2, 2, 3, 1, 3, 3), 3),
+  );
+  geometry.setAttribute(
+    'color',
+    new BufferAttribute(Uint8Array.of(255, 0, 0, 255, 0, 0, 255, 0, 0), 3, true),
+  );
   const root = new Group();
   root.add(new Mesh(geometry, new MeshBasicMaterial({ map })));
   return root;
 }
 
-const materials = (layer: MeshLayer): MeshMaterial[] => layer.object.children.map((child) => (child as Mesh).material as MeshMaterial);
+const materials = (layer: MeshLayer): MeshMaterial[] =>
+  layer.object.children.map((child) => (child as Mesh).material as MeshMaterial);
 
 describe('MeshLayer', () => {
   it('puts what has y up into the world, where y points down', () => {
@@ -49,7 +64,7 @@ describe('MeshLayer', () => {
     expect(back!.depthWrite).toBe(true);
   });
 
-  it('is lit where it has only colours, and as it is where it has an image, unless somebody chooses', () => {
+  it('is lit where it has only colours, not where it has an image, unless somebody chooses', () => {
     const layer = new MeshLayer();
     layer.onOptions(initialViewOptions);
     layer.replace(gltf());

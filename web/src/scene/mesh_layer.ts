@@ -1,5 +1,16 @@
-// The surface of a finished scan: one mesh, and behind it the same once more for those who see it from behind.
-import { Color, Group, Matrix4, Mesh, Vector3, type BufferGeometry, type Material, type Object3D, type Texture } from 'three';
+// The surface of a finished scan: one mesh, and behind it the same once more for
+// those who see it from behind.
+import {
+  Color,
+  Group,
+  Matrix4,
+  Mesh,
+  Vector3,
+  type BufferGeometry,
+  type Material,
+  type Object3D,
+  type Texture,
+} from 'three';
 import type { Surface } from '../state/section';
 import { meshColors, shownMeshColor, type ViewOptions } from '../state/view_options';
 import { nothingHidden, type HiddenUniforms } from './hidden_parts';
@@ -47,7 +58,10 @@ export class MeshLayer implements Layer {
   // Adds an even sample of the vertices with their normals.
   sample(into: SampleCollector): void {
     for (const { geometry, matrix } of this.fronts()) {
-      const [positions, normals] = [geometry.getAttribute('position'), geometry.getAttribute('normal')];
+      const [positions, normals] = [
+        geometry.getAttribute('position'),
+        geometry.getAttribute('normal'),
+      ];
       into.add(positions.count, new Matrix4().multiplyMatrices(worldFromGltf, matrix), (i) => ({
         position_m: [positions.getX(i), positions.getY(i), positions.getZ(i)],
         normal: [normals.getX(i), normals.getY(i), normals.getZ(i)],
@@ -99,7 +113,10 @@ export class MeshLayer implements Layer {
   private show(): void {
     if (!this.options) return;
     this.object.visible = this.isThere && this.options.show === 'surface' && !this.options.coverage;
-    const look = { colorMode: meshColors.indexOf(shownMeshColor(this.options, this.textured)), veil: this.options.hideBacks };
+    const look = {
+      colorMode: meshColors.indexOf(shownMeshColor(this.options, this.textured)),
+      veil: this.options.hideBacks,
+    };
     for (const material of this.materials) material.show(look);
   }
 
@@ -125,7 +142,10 @@ function surfaceOf(geometry: BufferGeometry, worldFromMesh: Matrix4): Surface {
       .fromBufferAttribute(positions, i)
       .applyMatrix4(worldFromMesh)
       .toArray(positions_m, 3 * i);
-  return { positions_m, index: geometry.index?.array ?? Uint32Array.from({ length: positions.count }, (_, i) => i) };
+  return {
+    positions_m,
+    index: geometry.index?.array ?? Uint32Array.from({ length: positions.count }, (_, i) => i),
+  };
 }
 
 function mapOf(material: Material | Material[]): Texture | null {
@@ -142,7 +162,9 @@ function colorOf(material: Material | Material[]): Color {
 export function trianglesIn(root: Object3D): number {
   let triangles = 0;
   root.traverse((object) => {
-    if (object instanceof Mesh) triangles += (object.geometry.index?.count ?? object.geometry.getAttribute('position').count) / 3;
+    if (object instanceof Mesh)
+      triangles +=
+        (object.geometry.index?.count ?? object.geometry.getAttribute('position').count) / 3;
   });
   return triangles;
 }

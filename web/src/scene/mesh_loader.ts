@@ -1,5 +1,6 @@
-// A GLB of the server -> three's objects. three's GLTFLoader reads it; Draco is decoded by a worker of our own, because three's makes its worker out of a
-// text, which the page's Content-Security-Policy forbids.
+// A GLB of the server -> three's objects. three's GLTFLoader reads it; Draco is decoded by a worker
+// of our own, because three's makes its worker out of a text, which the page's
+// Content-Security-Policy forbids.
 import { BufferAttribute, BufferGeometry, Mesh, type Object3D } from 'three';
 import type { DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
@@ -17,7 +18,9 @@ export async function loadMesh(bytes: ArrayBuffer): Promise<Object3D> {
     const { scene } = await loader.parseAsync(bytes, '');
     let triangles = 0;
     scene.traverse((object) => {
-      if (object instanceof Mesh) triangles += (object.geometry.index?.count ?? object.geometry.getAttribute('position').count) / 3;
+      if (object instanceof Mesh)
+        triangles +=
+          (object.geometry.index?.count ?? object.geometry.getAttribute('position').count) / 3;
     });
     if (triangles === 0) throw new MeshError('the mesh has no triangles');
     return scene;
@@ -51,7 +54,11 @@ class WorkerDecoder {
     _colorSpace: string,
     onError: (error: Error) => void,
   ): void {
-    const wanted = Object.entries(uniqueIds).map(([name, uniqueId]) => ({ name, uniqueId, type: types[name]! }));
+    const wanted = Object.entries(uniqueIds).map(([name, uniqueId]) => ({
+      name,
+      uniqueId,
+      type: types[name]!,
+    }));
     this.decode(bytes, wanted).then((mesh) => onLoad(geometryOf(mesh)), onError);
   }
 
@@ -71,7 +78,9 @@ class WorkerDecoder {
   }
 
   private start(): Worker {
-    const worker = new Worker(new URL('../connection/mesh_worker.ts', import.meta.url), { type: 'module' });
+    const worker = new Worker(new URL('../connection/mesh_worker.ts', import.meta.url), {
+      type: 'module',
+    });
     worker.onmessage = ({ data }: MessageEvent<MeshAnswer>) => {
       const waiting = this.waiting.get(data.id);
       this.waiting.delete(data.id);
@@ -80,7 +89,8 @@ class WorkerDecoder {
     };
     worker.onerror = (event) => {
       event.preventDefault();
-      for (const { reject } of this.waiting.values()) reject(new MeshError(event.message || 'the decoder could not be started'));
+      for (const { reject } of this.waiting.values())
+        reject(new MeshError(event.message || 'the decoder could not be started'));
       this.waiting.clear();
     };
     return worker;
@@ -90,6 +100,7 @@ class WorkerDecoder {
 function geometryOf({ index, attributes }: DecodedMesh): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setIndex(new BufferAttribute(index, 1));
-  for (const { name, array, itemSize } of attributes) geometry.setAttribute(name, new BufferAttribute(array, itemSize));
+  for (const { name, array, itemSize } of attributes)
+    geometry.setAttribute(name, new BufferAttribute(array, itemSize));
   return geometry;
 }

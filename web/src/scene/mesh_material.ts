@@ -1,5 +1,6 @@
-// A surface in its own colours, lit softly from above and from the eye so that its shape is seen: what faces the eye keeps its colour as it is.
-// Seen from behind it is dim, and with `veil` as good as through, so that a room can be looked into from outside.
+// A surface in its own colours, lit softly from above and from the eye so that its shape is seen:
+// what faces the eye keeps its colour as it is. Seen from behind it is dim, and with `veil` as good
+// as through, so that a room can be looked into from outside.
 import { BackSide, Color, FrontSide, ShaderMaterial, type DataTexture, type Texture } from 'three';
 import { meshColors } from '../state/view_options';
 import { coverageDefines, coverageShader } from './coverage_shader';
@@ -29,7 +30,9 @@ void main() {
   vec3 facing = normal;
 #ifdef HAS_POSES
   int at = int(row + 0.5);
-  vec4 x = texelFetch(poses, ivec2(0, at), 0), y = texelFetch(poses, ivec2(1, at), 0), z = texelFetch(poses, ivec2(2, at), 0);
+  vec4 x = texelFetch(poses, ivec2(0, at), 0);
+  vec4 y = texelFetch(poses, ivec2(1, at), 0);
+  vec4 z = texelFetch(poses, ivec2(2, at), 0);
   inWorld = vec4(dot(x, inWorld), dot(y, inWorld), dot(z, inWorld), 1.0);
   facing = vec3(dot(x.xyz, facing), dot(y.xyz, facing), dot(z.xyz, facing));
   vFaded = texelFetch(poses, ivec2(3, at), 0).x;
@@ -39,7 +42,8 @@ void main() {
 #endif
 #ifdef HAS_COLOR
 #ifdef SRGB_COLOR
-  vColor = mix(pow((color.rgb + 0.055) / 1.055, vec3(2.4)), color.rgb / 12.92, vec3(lessThanEqual(color.rgb, vec3(0.04045))));
+  vColor = mix(pow((color.rgb + 0.055) / 1.055, vec3(2.4)), color.rgb / 12.92,
+    vec3(lessThanEqual(color.rgb, vec3(0.04045))));
 #else
   vColor = color.rgb;
 #endif
@@ -87,7 +91,9 @@ void main() {
   float facing = abs(dot(normal, eye));
   vec3 up = normalize((viewMatrix * vec4(0.0, -1.0, 0.0, 0.0)).xyz);  // y points down in the world
   float sky = 0.5 + 0.5 * dot(back ? -normal : normal, up);
-  float light = colorMode == 0 || colorMode == COVERAGE ? (0.56 + 0.44 * facing) * (0.86 + 0.14 * sky) + 0.04 : 1.0;
+  float light = 1.0;
+  if (colorMode == 0 || colorMode == COVERAGE)
+    light = (0.56 + 0.44 * facing) * (0.86 + 0.14 * sky) + 0.04;
   vec3 shown = base * light;
   if (colorMode == 2) {
     vec3 world = inverseTransformDirection(normal, viewMatrix);
@@ -106,7 +112,8 @@ void main() {
   gl_FragColor = vec4(shown, alpha);
   #include <colorspace_fragment>
 #ifdef HAS_CONFIDENCE
-  if (colorMode == COVERAGE && needsAnotherLook(vConfidence)) gl_FragColor.rgb *= stripe(gl_FragCoord.xy);
+  if (colorMode == COVERAGE && needsAnotherLook(vConfidence))
+    gl_FragColor.rgb *= stripe(gl_FragCoord.xy);
 #endif
 }`;
 
@@ -120,13 +127,23 @@ export interface MeshMaterialKind {
   readonly map: Texture | null;
   readonly color: 'none' | 'linear' | 'srgb'; // of the vertices
   readonly tint?: Color; // linear, of everything
-  readonly confidences?: boolean; // of the vertices, in the alpha of their colours: eighths, as a share of 255
-  readonly poses?: { value: DataTexture }; // of the submaps (PoseTexture), where vertices have rows of it
+  // The vertices have confidences in the alpha of their colours: eighths, as a share of 255.
+  readonly confidences?: boolean;
+  // Of the submaps (PoseTexture), where vertices have rows of it.
+  readonly poses?: { value: DataTexture };
   readonly hidden?: HiddenUniforms;
 }
 
 export class MeshMaterial extends ShaderMaterial {
-  constructor({ back, map, color, tint = new Color(1, 1, 1), confidences = false, poses, hidden = nothingHidden }: MeshMaterialKind) {
+  constructor({
+    back,
+    map,
+    color,
+    tint = new Color(1, 1, 1),
+    confidences = false,
+    poses,
+    hidden = nothingHidden,
+  }: MeshMaterialKind) {
     super({
       vertexShader,
       fragmentShader: `#include <common>\n${hiddenShader}\n${coverageShader}\n${fragmentShader}`,

@@ -12,7 +12,12 @@ import { SubmapsLayer } from './submaps_layer';
 
 // A box of 4 x 2 x 3 m, turned by half a right angle, as a finished surface.
 function boxed(): { cut: ModelCut; mesh: MeshLayer } {
-  const [submaps, clip, hidden, mesh] = [new SubmapsLayer(), new ClipLayer(), new HiddenParts(), new MeshLayer()];
+  const [submaps, clip, hidden, mesh] = [
+    new SubmapsLayer(),
+    new ClipLayer(),
+    new HiddenParts(),
+    new MeshLayer(),
+  ];
   const box = new Mesh(new BoxGeometry(4, 2, 3), new MeshBasicMaterial());
   box.rotation.y = Math.PI / 6;
   mesh.replace(new Group().add(box));
@@ -35,10 +40,11 @@ describe('ModelCut', () => {
   it('cuts the finished surface, inside of the clip box', () => {
     const { cut } = boxed();
     const play = (...events: CuttingEvent[]): Cutting =>
-      [{ kind: 'active', active: true } as const, { kind: 'measured', model: cut.measure(null, up, null)! } as const, ...events].reduce(
-        reduceCutting,
-        initialCutting,
-      );
+      [
+        { kind: 'active', active: true } as const,
+        { kind: 'measured', model: cut.measure(null, up, null)! } as const,
+        ...events,
+      ].reduce(reduceCutting, initialCutting);
     expect(cut.surface).toBe('finished');
     const lengthIn = (state: Cutting): number => lengthOf(joined(cut.show(state)));
     expect(lengthIn(play())).toBe(0);
@@ -67,7 +73,9 @@ describe('ModelCut', () => {
     const face = cut.handleAt((place) => top.distanceTo(new Vector3(...place)), 0.1)!;
     expect(face).toEqual({ axis: 1, side: 'high_m' });
     expect(cut.handleAt(() => Infinity, 0.1)).toBeNull();
-    expect(cut.alongHandle(face, new Ray(new Vector3(0.3, -0.4, -9), new Vector3(0, 0, 1)))).toBeCloseTo(0.4);
+    expect(
+      cut.alongHandle(face, new Ray(new Vector3(0.3, -0.4, -9), new Vector3(0, 0, 1))),
+    ).toBeCloseTo(0.4);
     expect(cut.alongHandle(face, new Ray(new Vector3(0, 9, 0), new Vector3(0, -1, 0)))).toBeNull();
   });
 

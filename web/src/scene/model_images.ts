@@ -1,9 +1,24 @@
-// Images of a model for a page: from above and from four sides, as good as without perspective, so that lengths can be read off them. Draws once, when
-// all is there, into canvases of their own.
-import { Color, Group, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer, type Object3D } from 'three';
+// Images of a model for a page: from above and from four sides, as good as without perspective, so
+// that lengths can be read off them. Draws once, when all is there, into canvases of their own.
+import {
+  Color,
+  Group,
+  PerspectiveCamera,
+  Quaternion,
+  Scene,
+  Vector3,
+  WebGLRenderer,
+  type Object3D,
+} from 'three';
 import type { ScanEvent } from '../connection/events';
 import { threeOf, type Axes, type Triple } from '../state/axes';
-import { extentOf, figuresOf, weighedByArea, type Extent, type ModelFigures } from '../state/model_figures';
+import {
+  extentOf,
+  figuresOf,
+  weighedByArea,
+  type Extent,
+  type ModelFigures,
+} from '../state/model_figures';
 import type { Surface } from '../state/section';
 import { initialViewOptions, type ViewOptions } from '../state/view_options';
 import { floorHeight_m, firstCamerasUp, upOf, type Direction } from './gravity';
@@ -18,7 +33,9 @@ export const strayShare = 0.005; // of the surface, or the points, at either end
 const widest_px = 760;
 const tallest = 1.25; // of the width
 const margin = 1.06;
-const awayDepths = 100; // so far away is the camera: what is near is at most a hundredth larger than what is far
+// The camera is so many times as far away as the model is deep: what is near is at most a hundredth
+// larger than what is far.
+const awayDepths = 100;
 const leap_m = 0.5; // between two frames: the camera was lost
 const pathStrokes = [
   [10, 'rgb(255 255 255 / 0.85)'],
@@ -36,7 +53,8 @@ export interface ModelImage {
 
 export interface ModelLook {
   readonly extent: Extent;
-  readonly extentOf: 'all' | 'surface' | 'points'; // all of the model, or what is left of these without strays
+  // Of all of the model, or of what is left of these without strays.
+  readonly extentOf: 'all' | 'surface' | 'points';
   readonly hasWalls: boolean; // that its axes are turned to
   readonly figures: ModelFigures | null; // null: there is no surface
   readonly hasPath: boolean; // of the camera, in the image from above
@@ -70,8 +88,10 @@ export class ModelImages {
   onEvent(event: ScanEvent): void {
     this.submaps.onEvent(event);
     this.points.onEvent(event);
-    if (event.kind === 'scanState') this.imported = event.phase === 'finished' && event.received === 0;
-    if (event.kind === 'trajectory' && !event.submaps) this.path_m = Float32Array.from(event.positions_m);
+    if (event.kind === 'scanState')
+      this.imported = event.phase === 'finished' && event.received === 0;
+    if (event.kind === 'trajectory' && !event.submaps)
+      this.path_m = Float32Array.from(event.positions_m);
   }
 
   showMesh(root: Object3D): { readonly triangles: number; readonly textured: boolean } {
@@ -90,12 +110,19 @@ export class ModelImages {
     const all = boundsAlong(axes, this.points.boxes(), surfaces);
     if (!all) return null;
     const trimmed = this.trimmed(surfaces, samples.positions_m, axes);
-    const extent = trimmed?.extent ?? boundsAlong(axes, this.mesh.isThere ? [] : this.points.boxes(), surfaces) ?? all;
+    const extent =
+      trimmed?.extent ??
+      boundsAlong(axes, this.mesh.isThere ? [] : this.points.boxes(), surfaces) ??
+      all;
     const floor_m = floorHeight_m(samples, up);
     const figures = this.mesh.isThere ? figuresOf(surfaces, axes, all, floor_m) : null;
     const seen = union(extent, extentOf({ positions_m: this.path_m, weights: null }, axes, 0));
     const whole = union(all, seen);
-    const studio = new Studio(axes, seen, Math.hypot(...whole.low_m.map((low, k) => whole.high_m[k]! - low)));
+    const studio = new Studio(
+      axes,
+      seen,
+      Math.hypot(...whole.low_m.map((low, k) => whole.high_m[k]! - low)),
+    );
     try {
       return {
         extent,
@@ -116,14 +143,17 @@ export class ModelImages {
     this.submaps.dispose();
   }
 
-  // Without strays. Null: there are none, as in what was imported, whose far ends somebody has made; or nothing is known.
+  // Without strays. Null: there are none, as in what was imported, whose far ends somebody has
+  // made; or nothing is known.
   private trimmed(
     surfaces: readonly Surface[],
     points_m: Float32Array,
     axes: Axes,
   ): { readonly extent: Extent; readonly of: 'surface' | 'points' } | null {
     if (this.imported && this.mesh.isThere) return null;
-    const weighed = this.mesh.isThere ? weighedByArea(surfaces) : { positions_m: points_m, weights: null };
+    const weighed = this.mesh.isThere
+      ? weighedByArea(surfaces)
+      : { positions_m: points_m, weights: null };
     const extent = extentOf(weighed, axes, strayShare);
     return extent && { extent, of: this.mesh.isThere ? 'surface' : 'points' };
   }
@@ -131,7 +161,9 @@ export class ModelImages {
   private samples() {
     const total = this.points.boxes().reduce((sum, { weight }) => sum + weight, 0);
     const samples = new SampleCollector(
-      this.mesh.isThere ? this.mesh.surfaces().reduce((sum, { positions_m }) => sum + positions_m.length / 3, 0) : total,
+      this.mesh.isThere
+        ? this.mesh.surfaces().reduce((sum, { positions_m }) => sum + positions_m.length / 3, 0)
+        : total,
     );
     (this.mesh.isThere ? this.mesh : this.points).sample(samples);
     return samples.take();
@@ -141,7 +173,8 @@ export class ModelImages {
     const [above, ...sides] = viewsOf(axes);
     studio.add(this.points.object, this.mesh.object);
     this.look({ ...initialViewOptions, show: 'surface' }, !this.mesh.isThere);
-    const draw = (view: View): ModelImage => studio.image(view, (size) => this.points.onResize(size));
+    const draw = (view: View): ModelImage =>
+      studio.image(view, (size) => this.points.onResize(size));
     const plan = studio.withPath(draw(above), this.path_m);
     const images = [plan, ...sides.map(draw)];
     const confidences = this.points.confidences();
@@ -195,7 +228,8 @@ function newRenderer(): WebGLRenderer {
 class Studio {
   private readonly renderer = newRenderer();
   private readonly scene = new Scene();
-  private readonly upright = new Group(); // shaders light what is above in the world, where y points down
+  // Turned upright because shaders light what is above in the world, where y points down.
+  private readonly upright = new Group();
   private readonly camera = new PerspectiveCamera();
   private readonly turn: Quaternion;
   private readonly middle: Vector3;
@@ -212,13 +246,20 @@ class Studio {
     this.turn = new Quaternion().setFromUnitVectors(new Vector3(...axes.up), new Vector3(0, -1, 0));
     this.upright.quaternion.copy(this.turn);
     this.scene.add(this.upright);
-    const sizes = [0, 1, 2].map((k) => Math.max(0.05, high_m[k]! - low_m[k]!)) as unknown as [number, number, number];
+    const sizes = [0, 1, 2].map((k) => Math.max(0.05, high_m[k]! - low_m[k]!)) as unknown as [
+      number,
+      number,
+      number,
+    ];
     this.size_m = sizes;
     this.middle = new Vector3();
-    threeOf(axes).forEach((axis, k) => this.middle.addScaledVector(new Vector3(...axis), (low_m[k]! + high_m[k]!) / 2));
+    threeOf(axes).forEach((axis, k) =>
+      this.middle.addScaledVector(new Vector3(...axis), (low_m[k]! + high_m[k]!) / 2),
+    );
     this.middle.applyQuaternion(this.turn);
     const [along_m, up_m, across_m] = sizes;
-    this.metresPerPixel = (margin * Math.max(along_m, across_m, up_m / tallest, across_m / tallest)) / widest_px;
+    this.metresPerPixel =
+      (margin * Math.max(along_m, across_m, up_m / tallest, across_m / tallest)) / widest_px;
   }
 
   add(...objects: Object3D[]): void {
@@ -229,7 +270,11 @@ class Studio {
     { name, sight, above, size }: View,
     resize: (size: { width_px: number; height_px: number; verticalFov_rad: number }) => void,
   ): ModelImage {
-    const [, height_m, depth_m] = size.map((axis) => this.size_m[axis]!) as [number, number, number];
+    const [, height_m, depth_m] = size.map((axis) => this.size_m[axis]!) as [
+      number,
+      number,
+      number,
+    ];
     const height_px = Math.max(60, Math.ceil((margin * height_m) / this.metresPerPixel));
     const away_m = awayDepths * Math.max(depth_m, height_m);
     const verticalFov_rad = 2 * Math.atan((height_px * this.metresPerPixel) / 2 / away_m);

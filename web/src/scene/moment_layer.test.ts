@@ -7,7 +7,11 @@ test('the camera stands at its pose, once its field of view is known', () => {
   const layer = new MomentLayer();
   layer.show({ worldFromCamera: at(3), image: null });
   expect(layer.object.visible).toBe(false);
-  layer.onEvent({ kind: 'welcome', title: '', camera: { width: 4, height: 2, fx: 2, fy: 2, cx: 1.5, cy: 0.5 } });
+  layer.onEvent({
+    kind: 'welcome',
+    title: '',
+    camera: { width: 4, height: 2, fx: 2, fy: 2, cx: 1.5, cy: 0.5 },
+  });
   layer.show({ worldFromCamera: { translation: [3, 0, 0], rotation: [0, 1, 0, 0] }, image: null });
   expect(layer.object.visible).toBe(true);
   layer.object.updateMatrixWorld();

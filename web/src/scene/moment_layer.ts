@@ -41,7 +41,10 @@ export class MomentLayer implements Layer {
     this.lines.frustumCulled = this.plane.frustumCulled = false;
     this.plane.onBeforeRender = (_renderer, _scene, camera) => {
       const away_m = camera.position.distanceTo(this.object.getWorldPosition(new Vector3()));
-      this.plane.material.opacity = Math.min(1, Math.max(0, (away_m - hidden_m) / (whole_m - hidden_m)));
+      this.plane.material.opacity = Math.min(
+        1,
+        Math.max(0, (away_m - hidden_m) / (whole_m - hidden_m)),
+      );
     };
   }
 
@@ -82,10 +85,19 @@ export class MomentLayer implements Layer {
   }
 
   private shape(camera: CameraIntrinsics): void {
-    this.lines.geometry.setAttribute('position', new BufferAttribute(frustumLines(camera, depth_m), 3));
+    this.lines.geometry.setAttribute(
+      'position',
+      new BufferAttribute(frustumLines(camera, depth_m), 3),
+    );
     const corners = frustumCorners(camera, depth_m);
-    this.plane.geometry.setAttribute('position', new BufferAttribute(Float32Array.from(corners.flat()), 3));
-    this.plane.geometry.setAttribute('uv', new BufferAttribute(Float32Array.from([0, 1, 1, 1, 1, 0, 0, 0]), 2));
+    this.plane.geometry.setAttribute(
+      'position',
+      new BufferAttribute(Float32Array.from(corners.flat()), 3),
+    );
+    this.plane.geometry.setAttribute(
+      'uv',
+      new BufferAttribute(Float32Array.from([0, 1, 1, 1, 1, 0, 0, 0]), 2),
+    );
     this.plane.geometry.setIndex([0, 1, 2, 0, 2, 3]);
   }
 }

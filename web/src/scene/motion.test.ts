@@ -43,7 +43,10 @@ describe('GlidingPose', () => {
 
 describe('composed', () => {
   it('turns before it moves', () => {
-    const quarter = { translation: [0, 0, 5], rotation: [0, 0, Math.SQRT1_2, Math.SQRT1_2] } as const; // x becomes y
+    const quarter = {
+      translation: [0, 0, 5],
+      rotation: [0, 0, Math.SQRT1_2, Math.SQRT1_2],
+    } as const; // x becomes y
     const pose = composed(quarter, at(2));
     expect(pose.translation[0]).toBeCloseTo(0);
     expect(pose.translation[1]).toBeCloseTo(2);

@@ -5,16 +5,22 @@ import type { Pose } from '../connection/events';
 const one = new Vector3(1, 1, 1);
 
 function isAt(translation: Vector3, rotation: Quaternion, pose: Pose): boolean {
-  const same = (have: readonly number[], told: readonly number[]): boolean => have.every((value, i) => value === told[i]);
+  const same = (have: readonly number[], told: readonly number[]): boolean =>
+    have.every((value, i) => value === told[i]);
   return same(translation.toArray(), pose.translation) && same(rotation.toArray(), pose.rotation);
 }
 
 // a_from_c of a_from_b and b_from_c.
 export function composed(aFromB: Pose, bFromC: Pose): Pose {
   const rotation = new Quaternion(...aFromB.rotation);
-  const translation = new Vector3(...bFromC.translation).applyQuaternion(rotation).add(new Vector3(...aFromB.translation));
+  const translation = new Vector3(...bFromC.translation)
+    .applyQuaternion(rotation)
+    .add(new Vector3(...aFromB.translation));
   rotation.multiply(new Quaternion(...bFromC.rotation));
-  return { translation: translation.toArray(), rotation: [rotation.x, rotation.y, rotation.z, rotation.w] };
+  return {
+    translation: translation.toArray(),
+    rotation: [rotation.x, rotation.y, rotation.z, rotation.w],
+  };
 }
 
 export class GlidingPose {

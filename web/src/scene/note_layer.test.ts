@@ -2,12 +2,21 @@ import { CanvasTexture, Sprite } from 'three';
 import { expect, test } from 'vitest';
 import { NoteLayer, pinAt, shortened, type NotePin } from './note_layer';
 
-const pin = (number: number, x_m: number, text = ''): NotePin => ({ position_m: [x_m, 0, 1], number, text });
+const pin = (number: number, x_m: number, text = ''): NotePin => ({
+  position_m: [x_m, 0, 1],
+  number,
+  text,
+});
 
 test('each note has a pin with its number, drawn once, and one of them has text', () => {
   const said: string[] = [];
   const painted: number[] = [];
-  const label = { object: new Sprite(), say: (text: string) => said.push(text), resize: () => {}, dispose: () => {} };
+  const label = {
+    object: new Sprite(),
+    say: (text: string) => said.push(text),
+    resize: () => {},
+    dispose: () => {},
+  };
   const layer = new NoteLayer(
     () => label,
     (number) => {

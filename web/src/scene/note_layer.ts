@@ -1,5 +1,5 @@
-// Notes in the image: a pin with a number at each of them, upright and of the same size from everywhere, in front of everything. The
-// chosen one has its text.
+// Notes in the image: a pin with a number at each of them, upright and of the same size from
+// everywhere, in front of everything. The chosen one has its text.
 import { CanvasTexture, Group, Sprite, SpriteMaterial, SRGBColorSpace } from 'three';
 import type { Place } from '../connection/measurements';
 import { Label } from './label';
@@ -73,7 +73,9 @@ export class NoteLayer implements Layer {
   }
 
   private made(): Sprite {
-    const pin = new Sprite(new SpriteMaterial({ sizeAttenuation: false, depthTest: false, transparent: true }));
+    const pin = new Sprite(
+      new SpriteMaterial({ sizeAttenuation: false, depthTest: false, transparent: true }),
+    );
     pin.center.set(0.5, 0);
     this.scale(pin);
     this.object.add(pin);
@@ -98,8 +100,13 @@ export class NoteLayer implements Layer {
   }
 }
 
-// Returns the index of the pin at this point of the page; null: there is none. `screenOf`: where a place is on the page.
-export function pinAt(pins: readonly NotePin[], [x_px, y_px]: OnScreen, screenOf: (place: Place) => OnScreen | null): number | null {
+// Returns the index of the pin at this point of the page; null: there is none. `screenOf`:
+// where a place is on the page.
+export function pinAt(
+  pins: readonly NotePin[],
+  [x_px, y_px]: OnScreen,
+  screenOf: (place: Place) => OnScreen | null,
+): number | null {
   const away_px = pins.map(({ position_m }) => {
     const [x, y] = screenOf(position_m) ?? [Infinity, Infinity];
     return Math.hypot(x - x_px, y - middle_px - y_px);

@@ -9,7 +9,15 @@ export const poses = (where: readonly number[], parts: readonly number[] = []): 
   poses: where.map((x, submap) => ({ submap, worldFromSubmap: at(x), part: parts[submap] ?? 0 })),
 });
 
-const noneYet = { received: 0, processed: 0, dropped: 0, keyframes: 0, loops: 0, paused: false, canPause: false };
+const noneYet = {
+  received: 0,
+  processed: 0,
+  dropped: 0,
+  keyframes: 0,
+  loops: 0,
+  paused: false,
+  canPause: false,
+};
 export const running: ScanEvent = { kind: 'scanState', phase: 'running', words: '', ...noneYet };
 
 export function frame(submap: number, x: number, changes: Partial<FrameEvent> = {}): FrameEvent {

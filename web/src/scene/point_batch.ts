@@ -56,7 +56,8 @@ export class PointBatch {
     this.normals.array.set(points.normals, start * 4);
     this.rows.array.fill(row, start, start + points.count);
     this.radii.array.fill(0, start + points.count, start + reserved);
-    for (const attribute of [this.positions, this.radii, this.colors, this.normals, this.rows]) renew(attribute, start, reserved);
+    for (const attribute of [this.positions, this.radii, this.colors, this.normals, this.rows])
+      renew(attribute, start, reserved);
     this.object.geometry.setDrawRange(0, this.allocator.end);
     return { start, count: points.count, reserved };
   }

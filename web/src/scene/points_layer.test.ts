@@ -17,7 +17,9 @@ const chunk = (submap: number, count = 1, x = 0): ScanEvent => ({
       ? null
       : {
           count,
-          positions_m: Float32Array.from({ length: 3 * count }, (_, i) => (i % 3 === 0 ? 1 + i / 300 : 0)),
+          positions_m: Float32Array.from({ length: 3 * count }, (_, i) =>
+            i % 3 === 0 ? 1 + i / 300 : 0,
+          ),
           colors: new Uint8Array(4 * count),
           normals: Int8Array.from({ length: 4 * count }, (_, i) => (i % 4 === 2 ? -127 : 0)),
           radii_m: new Float32Array(count).fill(0.02),
@@ -26,10 +28,15 @@ const chunk = (submap: number, count = 1, x = 0): ScanEvent => ({
         },
 });
 
-function play(...events: ScanEvent[]): { submaps: SubmapsLayer; points: PointsLayer; faded: (id: number) => boolean } {
+function play(...events: ScanEvent[]): {
+  submaps: SubmapsLayer;
+  points: PointsLayer;
+  faded: (id: number) => boolean;
+} {
   const submaps = new SubmapsLayer();
   const points = new PointsLayer(submaps);
-  for (const event of events) for (const layer of [submaps, points]) (layer as PointsLayer).onEvent(event);
+  for (const event of events)
+    for (const layer of [submaps, points]) (layer as PointsLayer).onEvent(event);
   return { submaps, points, faded: (id) => submaps.poses.isFaded(id) };
 }
 
@@ -44,12 +51,13 @@ describe('PointsLayer', () => {
 
   it('draws a thousand chunks of many submaps in one call, and uses room again', () => {
     const { points } = play(poses([0, 10, 20]));
-    for (let round = 0; round < 3; ++round) for (let x = 0; x < 1000; ++x) points.onEvent(chunk(x % 3, 90 + ((x + round) % 20), x));
+    for (let round = 0; round < 3; ++round)
+      for (let x = 0; x < 1000; ++x) points.onEvent(chunk(x % 3, 90 + ((x + round) % 20), x));
     expect(points.boxes()).toHaveLength(1000);
     expect(points.drawCalls).toBe(1);
   });
 
-  it('counts the confidences of the points that it holds, and not of those that were replaced or taken away', () => {
+  it('counts the confidences of the points that it holds, and not of those that are gone', () => {
     const sure = (event: ScanEvent, confidence: number): ScanEvent => {
       if (event.kind === 'chunk') event.points?.colors.fill(8 * confidence);
       return event;
@@ -63,7 +71,13 @@ describe('PointsLayer', () => {
   });
 
   it('fades the parts that the camera is not in, until they are joined', () => {
-    const { submaps, points, faded } = play(running, poses([0, 10], [0, 1]), chunk(0), chunk(1), frame(1, 0));
+    const { submaps, points, faded } = play(
+      running,
+      poses([0, 10], [0, 1]),
+      chunk(0),
+      chunk(1),
+      frame(1, 0),
+    );
     expect([faded(0), faded(1)]).toEqual([true, false]);
     for (const layer of [submaps, points]) (layer as PointsLayer).onEvent(poses([0, 10], [0, 0]));
     expect([faded(0), faded(1)]).toEqual([false, false]);

@@ -1,4 +1,5 @@
-// The reconstructed surface as discs. Chunks of all submaps share a few buffers, and a correction moves submaps and touches no point.
+// The reconstructed surface as discs. Chunks of all submaps share a few buffers, and a correction
+// moves submaps and touches no point.
 import { Box3, Group, Vector3, type Ray } from 'three';
 import type { ChunkKey, ChunkPoints, ScanEvent } from '../connection/events';
 import { nameOf } from '../state/chunk_ledger';
@@ -13,8 +14,8 @@ import type { SubmapsLayer } from './submaps_layer';
 
 const batch_points = 1 << 17; // 3.5 MB; what is larger has one of its own
 
-// A chunk of few points does not know how far its neighbours are (spacing.ts): where all are like that, as of a street that was imported, the area of a
-// surface that crosses a chunk tells it.
+// A chunk of few points does not know how far its neighbours are (spacing.ts): where all are like
+// that, as of a street that was imported, the area of a surface that crosses a chunk tells it.
 const sparse_points = 16; // a chunk, on average
 const sparseFrom_points = 5_000; // fewer are the beginning of a scan
 const crossing_m2 = 0.1; // a chunk of level 0
@@ -92,7 +93,8 @@ export class PointsLayer implements Layer {
     return counts;
   }
 
-  // The nearest disc that the ray meets from the front; `ray` in the world. The normal is 0 where a point has none: its disc faces whoever looks.
+  // The nearest disc that the ray meets from the front; `ray` in the world. The normal is 0 where a
+  // point has none: its disc faces whoever looks.
   pick(ray: Ray): Hit | null {
     let best: Hit | null = null;
     const [center, normal] = [new Vector3(), new Vector3()];
@@ -113,11 +115,17 @@ export class PointsLayer implements Layer {
         center.fromArray(at.position_m).applyMatrix4(matrix);
         const along_m = center.sub(ray.origin).dot(ray.direction);
         const radius_m = Math.max(at.radius_m, this.leastRadius_m);
-        if (along_m <= 0 || (best && along_m >= best.distance_m) || center.lengthSq() - along_m * along_m > radius_m * radius_m) continue;
+        if (
+          along_m <= 0 ||
+          (best && along_m >= best.distance_m) ||
+          center.lengthSq() - along_m * along_m > radius_m * radius_m
+        )
+          continue;
         normal.fromArray(at.normal).transformDirection(matrix);
         if (normal.dot(ray.direction) > 0) continue;
         const point_m = center.clone().add(ray.origin);
-        if (this.hidden.shows(point_m)) best = { point_m, normal: normal.clone(), distance_m: along_m };
+        if (this.hidden.shows(point_m))
+          best = { point_m, normal: normal.clone(), distance_m: along_m };
       }
     }
     return best;

@@ -1,5 +1,5 @@
-// Points as discs that lie in the surface, each as large as its neighbours are far, coloured by what the viewer asks for. Where discs overlap a pixel
-// belongs to the one whose middle is nearest.
+// Points as discs that lie in the surface, each as large as its neighbours are far, coloured by
+// what the viewer asks for. Where discs overlap a pixel belongs to the one whose middle is nearest.
 import { ShaderMaterial, type DataTexture } from 'three';
 import { colorModes, type ViewOptions } from '../state/view_options';
 import { coverageDefines, coverageShader } from './coverage_shader';
@@ -22,12 +22,15 @@ flat varying float vRadius, vSize_px, vStriped;
 
 vec3 confidenceColor(float confidence) {
   vec3 low = vec3(0.24, 0.16, 0.42), middle = vec3(0.16, 0.57, 0.55), high = vec3(0.95, 0.88, 0.45);
-  return confidence < 0.5 ? mix(low, middle, confidence * 2.0) : mix(middle, high, confidence * 2.0 - 1.0);
+  float at = confidence * 2.0;
+  return at < 1.0 ? mix(low, middle, at) : mix(middle, high, at - 1.0);
 }
 
 void main() {
   int at = int(row + 0.5);
-  vec4 x = texelFetch(poses, ivec2(0, at), 0), y = texelFetch(poses, ivec2(1, at), 0), z = texelFetch(poses, ivec2(2, at), 0);
+  vec4 x = texelFetch(poses, ivec2(0, at), 0);
+  vec4 y = texelFetch(poses, ivec2(1, at), 0);
+  vec4 z = texelFetch(poses, ivec2(2, at), 0);
   bool faded = texelFetch(poses, ivec2(3, at), 0).x > 0.5;
   vec4 inSubmap = vec4(position, 1.0);
   vec4 atWorld = vec4(dot(x, inSubmap), dot(y, inSubmap), dot(z, inSubmap), 1.0);
@@ -51,7 +54,8 @@ void main() {
   if (colorMode == COVERAGE) shown = coverageColor(confidence);
   if (colorMode == 0 || colorMode == COVERAGE) {
     vec3 up = mat3(viewMatrix) * vec3(0.0, -1.0, 0.0);  // y points down in the world
-    float light = (0.56 + 0.44 * abs(facing)) * (0.86 + 0.14 * (0.5 + 0.5 * dot(inViewNormal, up))) + 0.04;
+    float sky = 0.5 + 0.5 * dot(inViewNormal, up);
+    float light = (0.56 + 0.44 * abs(facing)) * (0.86 + 0.14 * sky) + 0.04;
     shown = pow(pow(shown, vec3(2.2)) * light, vec3(1.0 / 2.2));  // as surfaces have it
   } else if (colorMode == 2) {
     shown = hasNormal ? mat3(modelMatrix) * inWorld * vec3(0.5, -0.5, -0.5) + 0.5 : vec3(0.4);
@@ -110,7 +114,9 @@ export class PointsMaterial extends ShaderMaterial {
 
   show(options: ViewOptions): void {
     this.uniforms['sizeFactor']!.value = options.pointSize_percent / 100;
-    this.uniforms['colorMode']!.value = options.coverage ? coverageMode : colorModes.indexOf(options.color);
+    this.uniforms['colorMode']!.value = options.coverage
+      ? coverageMode
+      : colorModes.indexOf(options.color);
     this.uniforms['hideBacks']!.value = options.hideBacks;
   }
 
@@ -120,6 +126,7 @@ export class PointsMaterial extends ShaderMaterial {
   }
 
   resize(size: ViewSize): void {
-    this.uniforms['pixelsPerMetre']!.value = size.height_px / (2 * Math.tan(size.verticalFov_rad / 2));
+    this.uniforms['pixelsPerMetre']!.value =
+      size.height_px / (2 * Math.tan(size.verticalFov_rad / 2));
   }
 }

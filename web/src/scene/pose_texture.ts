@@ -1,5 +1,5 @@
-// Where the submaps stand, as a texture: shaders look a point's submap up there, so that points of many submaps are drawn in one call and a correction
-// touches none of them.
+// Where the submaps stand, as a texture: shaders look a point's submap up there, so that points of
+// many submaps are drawn in one call and a correction touches none of them.
 import { DataTexture, FloatType, Matrix4, NearestFilter, RGBAFormat } from 'three';
 
 const firstRows = 64;
@@ -7,7 +7,8 @@ const texels = 4; // of a row: three rows of the matrix, and whether it is faded
 const none = new Matrix4();
 
 export class PoseTexture {
-  readonly uniform: { value: DataTexture } = { value: textureOf(firstRows) }; // to be shared by materials
+  // Materials share it.
+  readonly uniform: { value: DataTexture } = { value: textureOf(firstRows) };
   private readonly rows = new Map<number, number>();
 
   // Of a submap; it stands where the world begins until it is told otherwise.
@@ -40,7 +41,12 @@ export class PoseTexture {
 
   private write(row: number, { elements }: Matrix4, faded: boolean): void {
     const { data } = this;
-    const values = [0, 1, 2].flatMap((i) => [elements[i]!, elements[4 + i]!, elements[8 + i]!, elements[12 + i]!]);
+    const values = [0, 1, 2].flatMap((i) => [
+      elements[i]!,
+      elements[4 + i]!,
+      elements[8 + i]!,
+      elements[12 + i]!,
+    ]);
     values.push(faded ? 1 : 0, 0, 0, 0);
     values.forEach((value, i) => (data[row * texels * 4 + i] = value));
     this.uniform.value.needsUpdate = true;
@@ -55,7 +61,13 @@ export class PoseTexture {
 }
 
 function textureOf(rows: number): DataTexture {
-  const texture = new DataTexture(new Float32Array(rows * texels * 4), texels, rows, RGBAFormat, FloatType);
+  const texture = new DataTexture(
+    new Float32Array(rows * texels * 4),
+    texels,
+    rows,
+    RGBAFormat,
+    FloatType,
+  );
   texture.minFilter = texture.magFilter = NearestFilter;
   return texture;
 }

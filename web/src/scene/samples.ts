@@ -26,7 +26,9 @@ export class SampleCollector {
     for (; i < count; i += this.stride) {
       const { position_m, normal } = at(Math.floor(i));
       if (normal[0] === 0 && normal[1] === 0 && normal[2] === 0) continue;
-      this.positions_m.push(...vector.fromArray(position_m).applyMatrix4(worldFromPoints).toArray());
+      this.positions_m.push(
+        ...vector.fromArray(position_m).applyMatrix4(worldFromPoints).toArray(),
+      );
       this.normals.push(...vector.fromArray(normal).transformDirection(worldFromPoints).toArray());
     }
     this.skip = i - count;
@@ -35,6 +37,11 @@ export class SampleCollector {
   take(): SurfaceSamples {
     const count = this.positions_m.length / 3;
     const weights = new Float32Array(count).fill(1);
-    return { count, positions_m: Float32Array.from(this.positions_m), normals: Float32Array.from(this.normals), weights };
+    return {
+      count,
+      positions_m: Float32Array.from(this.positions_m),
+      normals: Float32Array.from(this.normals),
+      weights,
+    };
   }
 }

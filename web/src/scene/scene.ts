@@ -1,5 +1,5 @@
 // The image of one scan. Draws only when something changed: an idle page costs nothing.
-import { Matrix4, Quaternion, Ray, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
+import { Quaternion, Scene, Vector3, WebGLRenderer, type Object3D } from 'three';
 import type { Pose, ScanEvent } from '../connection/events';
 import type { Measured, Place } from '../connection/measurements';
 import type { NoteView } from '../connection/notes';
@@ -17,13 +17,14 @@ import { floorHeight_m, type Direction } from './gravity';
 import { GridLayer } from './grid_layer';
 import { HiddenParts } from './hidden_parts';
 import { ImagePacing, type Motion } from './image_pacing';
-import type { Hit, Layer, ViewSize } from './layer';
+import type { Layer, ViewSize } from './layer';
 import { LiveMeshLayer } from './live_mesh_layer';
 import { MeasureLayer } from './measure_layer';
 import { MeshLayer, trianglesIn } from './mesh_layer';
 import { ModelCut, type SurfaceKind } from './model_cut';
 import { MomentLayer, type Moment } from './moment_layer';
 import { NoteLayer, type NotePin } from './note_layer';
+import { OnPage } from './on_page';
 import { PointsLayer } from './points_layer';
 import { SampleCollector } from './samples';
 import { SubmapsLayer } from './submaps_layer';
@@ -34,13 +35,13 @@ import { Upright } from './upright';
 
 const reframeEvery_ms = 400;
 const ahead_m = 1.5; // what whoever looks through the camera turns around
-const aroundClick_px = 14; // the floor is what most of the surface there faces
 
 export class ScanScene {
   readonly images = new ImagePacing((elapsed_ms, now_ms) => this.draw(elapsed_ms, now_ms));
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly rig: CameraRig;
+  private readonly page: OnPage;
   private readonly upright = new Upright((delta) => this.rig.carry(delta));
   private readonly submaps = new SubmapsLayer();
   private readonly clip = new ClipLayer();
@@ -48,7 +49,13 @@ export class ScanScene {
   private readonly points = new PointsLayer(this.submaps, this.hidden);
   private readonly live = new LiveMeshLayer(this.submaps, this.hidden);
   private readonly mesh = new MeshLayer(this.hidden.uniforms);
-  private readonly cut = new ModelCut({ points: this.points, live: this.live, mesh: this.mesh, clip: this.clip, hidden: this.hidden });
+  private readonly cut = new ModelCut({
+    points: this.points,
+    live: this.live,
+    mesh: this.mesh,
+    clip: this.clip,
+    hidden: this.hidden,
+  });
   private readonly eyeDome = new EyeDome();
   private readonly frustum = new FrustumLayer();
   private readonly measured = new MeasureLayer();
@@ -57,7 +64,16 @@ export class ScanScene {
   private readonly grid = new GridLayer();
   // What hangs on the submaps comes behind them.
   private readonly layers: readonly Layer[] = [
-    ...[this.grid, this.submaps, this.points, this.live, this.mesh, this.eyeDome, new TrajectoryLayer(this.submaps), this.frustum],
+    ...[
+      this.grid,
+      this.submaps,
+      this.points,
+      this.live,
+      this.mesh,
+      this.eyeDome,
+      new TrajectoryLayer(this.submaps),
+      this.frustum,
+    ],
     ...[this.clip, this.cut.section, this.measured, this.moment, this.notes],
   ];
   private readonly stillness = matchMedia('(prefers-reduced-motion: reduce)');
@@ -71,19 +87,31 @@ export class ScanScene {
   private running = false;
   private options: ViewOptions | null = null;
 
-  // Throws when the browser has no WebGL 2. `onTouched`: the viewer took the view into their own hands.
+  // Throws when the browser has no WebGL 2. `onTouched`: the viewer took the
+  // view into their own hands.
   constructor(
     private readonly canvas: HTMLCanvasElement,
     onTouched: () => void,
   ) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer = new WebGLRenderer({
+      canvas,
+      antialias: true,
+      powerPreference: 'high-performance',
+    });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.info.autoReset = false; // an image may take two render passes
-    for (const layer of this.layers) (layer === this.grid ? this.scene : this.upright.object).add(layer.object);
+    for (const layer of this.layers)
+      (layer === this.grid ? this.scene : this.upright.object).add(layer.object);
     this.scene.add(this.upright.object);
     this.paint();
     this.unwatchTheme = onThemeChange(() => this.paint());
     this.rig = new CameraRig(canvas, () => this.images.request(), onTouched);
+    this.page = new OnPage(canvas, this.rig.camera, this.upright, {
+      points: this.points,
+      live: this.live,
+      mesh: this.mesh,
+      hidden: this.hidden,
+    });
     this.resizeObserver = new ResizeObserver(() => this.resize());
     this.resizeObserver.observe(canvas.parentElement ?? canvas);
     canvas.addEventListener('webglcontextrestored', () => this.images.request());
@@ -92,7 +120,8 @@ export class ScanScene {
 
   onEvent(event: ScanEvent): void {
     for (const layer of this.layers) layer.onEvent?.(event);
-    if (event.kind === 'chunk' || event.kind === 'meshChunk' || event.kind === 'submapPoses') this.grew = true;
+    if (event.kind === 'chunk' || event.kind === 'meshChunk' || event.kind === 'submapPoses')
+      this.grew = true;
     if (event.kind === 'scanState') {
       this.running = event.phase === 'running';
       this.imported = event.phase === 'finished' && event.received === 0;
@@ -123,10 +152,15 @@ export class ScanScene {
     return { triangles: trianglesIn(root), textured: this.mesh.isTextured };
   }
 
-  // The finished surface, or the growing one, or points. What the growing one had not come to when the scan ended is there as points.
+  // The finished surface, or the growing one, or points. What the growing one had not come to when
+  // the scan ended is there as points.
   private chooseShown(): void {
     const finished = this.mesh.object.visible;
-    const live = !finished && this.live.isThere && this.options !== null && asksForSurface(this.options, this.live.hasConfidences);
+    const live =
+      !finished &&
+      this.live.isThere &&
+      this.options !== null &&
+      asksForSurface(this.options, this.live.hasConfidences);
     this.live.setVisible(live);
     this.points.setVisible(!finished && !(live && this.running));
   }
@@ -139,38 +173,29 @@ export class ScanScene {
     this.images.request();
   }
 
-  // What faces whoever clicks there, in pixels of the page, is the floor from now on; null: nothing is there.
+  // What faces whoever clicks there, in pixels of the page, is the floor from now
+  // on; null: nothing is there.
   floorAt(x_px: number, y_px: number): Direction | null {
-    const middle = this.pick(x_px, y_px);
-    if (!middle || middle.normal.lengthSq() === 0) return null;
-    const normal = middle.normal.clone();
-    for (let i = 0; i < 8; ++i) {
-      const [dx, dy] = [Math.cos((i * Math.PI) / 4), Math.sin((i * Math.PI) / 4)];
-      const beside = this.pick(x_px + aroundClick_px * dx, y_px + aroundClick_px * dy);
-      if (beside && beside.normal.dot(middle.normal) > 0.9) normal.add(beside.normal);
-    }
-    const up = normal.normalize().toArray() as Direction;
-    this.setUp(up);
+    const up = this.page.facingAt(x_px, y_px);
+    if (up) this.setUp(up);
     return up;
   }
 
   // What is there becomes the middle of all turning.
   pivotAt(x_px: number, y_px: number): boolean {
-    const hit = this.pick(x_px, y_px);
+    const hit = this.page.hitAt(x_px, y_px);
     if (hit) this.lookAt(hit.point_m.toArray());
     return hit !== null;
   }
 
   // Where somebody has clicked, in the world of the scan; null: nothing is there.
   placeAt(x_px: number, y_px: number): Place | null {
-    return this.pick(x_px, y_px)?.point_m.toArray() ?? null;
+    return this.page.hitAt(x_px, y_px)?.point_m.toArray() ?? null;
   }
 
   // Where that is in the image, in pixels of the page; null: behind the viewer.
   screenOf(place: Place): readonly [number, number] | null {
-    const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const { x, y, z } = this.inView(place).project(this.rig.camera);
-    return z > 1 ? null : [left + ((x + 1) / 2) * width, top + ((1 - y) / 2) * height];
+    return this.page.placeOf(place);
   }
 
   // In the world of the scan.
@@ -190,21 +215,24 @@ export class ScanScene {
 
   // How somebody looks now, in the world of the scan.
   get view(): NoteView {
-    const [position_m, target_m] = this.rig.view.map((point) => point.applyMatrix4(this.worldFromView).toArray());
+    const [position_m, target_m] = this.rig.view.map((point) =>
+      point.applyMatrix4(this.page.worldFromView).toArray(),
+    );
     return { position_m: position_m!, target_m: target_m! };
   }
 
   // The same way again; also when up is found to be another one meanwhile.
   lookAs({ position_m, target_m }: NoteView): void {
-    this.rig.lookFrom(this.inView(position_m), this.inView(target_m));
+    this.rig.lookFrom(this.page.inView(position_m), this.page.inView(target_m));
   }
 
   // From where somebody looks now, turned to that place.
   lookAt(place: Place): void {
-    this.rig.pivot(this.inView(place));
+    this.rig.pivot(this.page.inView(place));
   }
 
-  // Returns the bounds of the model along these axes, or along the directions of its walls; null if the model is empty.
+  // Returns the bounds of the model along these axes, or along the directions of its walls;
+  // null if the model is empty.
   measureModel(axes: Axes | null): Model | null {
     return this.cut.measure(axes, this.up, this.floor_m === null ? null : -this.floor_m);
   }
@@ -227,7 +255,8 @@ export class ScanScene {
     this.images.request();
   }
 
-  // Returns the face of the clip box whose handle is within `reach_px` of this point of the page, or null.
+  // Returns the face of the clip box whose handle is within `reach_px` of this
+  // point of the page, or null.
   handleAt(x_px: number, y_px: number, reach_px: number): Face | null {
     const away_px = (place: Place): number => {
       const [x, y] = this.screenOf(place) ?? [Infinity, Infinity];
@@ -236,10 +265,10 @@ export class ScanScene {
     return this.cut.handleAt(away_px, reach_px);
   }
 
-  // Returns where a face of the clip box lies on its axis when it is dragged to this point of the page; null if the view
-  // is along the axis.
+  // Returns where a face of the clip box lies on its axis when it is dragged to this point of the
+  // page; null if the view is along the axis.
   dragged(face: Face, x_px: number, y_px: number): number | null {
-    return this.cut.alongHandle(face, this.rayAt(x_px, y_px).inWorld);
+    return this.cut.alongHandle(face, this.page.rayAt(x_px, y_px));
   }
 
   // Where the camera was at a moment that somebody looks back at; null: nobody does.
@@ -250,11 +279,14 @@ export class ScanScene {
 
   // From where the camera was, as it looked.
   lookThrough({ translation, rotation }: Pose): void {
-    const target = new Vector3(0, 0, ahead_m).applyQuaternion(new Quaternion(...rotation)).add(new Vector3(...translation));
+    const target = new Vector3(0, 0, ahead_m)
+      .applyQuaternion(new Quaternion(...rotation))
+      .add(new Vector3(...translation));
     this.lookAs({ position_m: translation, target_m: target.toArray() });
   }
 
-  // How many points there are of each confidence, which is an eighth of the index; while the surface alone is shown, how many of its vertices.
+  // How many points there are of each confidence, which is an eighth of the index; while the
+  // surface alone is shown, how many of its vertices.
   confidences(): Uint32Array {
     return (this.points.object.visible ? this.points : this.live).confidences();
   }
@@ -287,7 +319,10 @@ export class ScanScene {
     const still = this.stillness.matches;
     for (const layer of this.layers) moving = (layer.tick?.(elapsed_ms) ?? false) || moving;
     if (this.upright.tick(elapsed_ms, still)) moving = this.grew = true; // framed anew as it turns
-    const eye = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera, { upright: this.upright.object.quaternion, still });
+    const eye = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera, {
+      upright: this.upright.object.quaternion,
+      still,
+    });
     if (this.reframe(now_ms)) moving = true;
     this.hidden.place(this.upright.object.matrix);
     this.renderer.info.reset();
@@ -296,7 +331,8 @@ export class ScanScene {
     return moving || eye.byItself ? 'byItself' : 'none';
   }
 
-  // True while it still has to happen: the boxes of a large scan are not gone through for every image.
+  // True while it still has to happen: the boxes of a large scan are not gone
+  // through for every image.
   private reframe(now_ms: number): boolean {
     if (!this.grew) return false;
     if (now_ms - this.reframed_ms < reframeEvery_ms) return true;
@@ -307,7 +343,9 @@ export class ScanScene {
     const left = boxes.filter(({ min_m, max_m }) =>
       this.hidden.isLeft(new Vector3(...min_m).add(new Vector3(...max_m)).multiplyScalar(0.5)),
     );
-    const framing = framingOf((left.length > 0 ? left : boxes).map((box) => this.upright.turned(box)));
+    const framing = framingOf(
+      (left.length > 0 ? left : boxes).map((box) => this.upright.turned(box)),
+    );
     if (!framing) return false;
     const placed = this.floor_m === null ? framing : { ...framing, floor_y_m: this.floor_m };
     this.grid.placeUnder(placed);
@@ -326,38 +364,11 @@ export class ScanScene {
     this.floor_m = height_m === null ? null : -height_m;
   }
 
-  // In the world of the scan.
-  private pick(x_px: number, y_px: number): Hit | null {
-    const { caster, worldFromView, inWorld: ray } = this.rayAt(x_px, y_px);
-    const hits = [this.points, this.live].flatMap((layer) => (layer.object.visible ? (layer.pick(ray) ?? []) : []));
-    const onMesh = this.mesh.object.visible ? caster.intersectObjects(this.mesh.fronts(), false) : [];
-    const mesh = onMesh.find(({ point }) => this.hidden.shows(point.clone().applyMatrix4(worldFromView)));
-    if (mesh?.face) {
-      const normal = mesh.face.normal.clone().transformDirection(mesh.object.matrixWorld).transformDirection(worldFromView);
-      hits.push({ point_m: mesh.point.clone().applyMatrix4(worldFromView), normal, distance_m: mesh.distance });
-    }
-    return hits.sort((a, b) => a.distance_m - b.distance_m)[0] ?? null;
-  }
-
-  private inView(place: Place): Vector3 {
-    return new Vector3(...place).applyMatrix4(this.upright.object.matrix);
-  }
-
-  private get worldFromView(): Matrix4 {
-    return new Matrix4().copy(this.upright.object.matrix).invert();
-  }
-
-  private rayAt(x_px: number, y_px: number): { readonly caster: Raycaster; readonly worldFromView: Matrix4; readonly inWorld: Ray } {
-    const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const caster = new Raycaster();
-    caster.setFromCamera(new Vector2((2 * (x_px - left)) / width - 1, 1 - (2 * (y_px - top)) / height), this.rig.camera);
-    const { worldFromView } = this;
-    return { caster, worldFromView, inWorld: new Ray().copy(caster.ray).applyMatrix4(worldFromView) };
-  }
-
   // Eye-dome lighting applies to points only: surfaces are shaded by their normals.
   private isLit(): boolean {
-    return this.points.object.visible && !this.live.object.visible && this.options?.eyeDome === true;
+    return (
+      this.points.object.visible && !this.live.object.visible && this.options?.eyeDome === true
+    );
   }
 
   private paint(): void {
@@ -369,7 +380,11 @@ export class ScanScene {
     const aspect = fillParent(this.renderer);
     if (aspect === null) return;
     this.rig.resize(aspect);
-    const size: ViewSize = { width_px: this.canvas.width, height_px: this.canvas.height, verticalFov_rad: this.rig.verticalFov_rad };
+    const size: ViewSize = {
+      width_px: this.canvas.width,
+      height_px: this.canvas.height,
+      verticalFov_rad: this.rig.verticalFov_rad,
+    };
     for (const layer of this.layers) layer.onResize?.(size);
     this.images.request();
   }

@@ -49,6 +49,7 @@ export class SectionLayer implements Layer {
 
 function placesOf(segments: readonly number[], plane: Plane): Float32Array {
   const places = new Float32Array((segments.length / 2) * 3);
-  for (let i = 0; i < segments.length; i += 2) places.set(placeOf([segments[i]!, segments[i + 1]!], plane), (i / 2) * 3);
+  for (let i = 0; i < segments.length; i += 2)
+    places.set(placeOf([segments[i]!, segments[i + 1]!], plane), (i / 2) * 3);
   return places;
 }

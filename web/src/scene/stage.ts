@@ -9,7 +9,8 @@ export function paintGround(scene: Scene, grid: GridLayer): void {
   grid.paint(theme.grid);
 }
 
-// Gives the drawing the size of the canvas's parent; returns its width over its height, null while it has no size.
+// Gives the drawing the size of the canvas's parent; returns its width over its height,
+// null while it has no size.
 export function fillParent(renderer: WebGLRenderer): number | null {
   const canvas = renderer.domElement;
   const { clientWidth, clientHeight } = canvas.parentElement ?? canvas;

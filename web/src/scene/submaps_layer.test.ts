@@ -3,7 +3,8 @@ import { describe, expect, it } from 'vitest';
 import { frame, poses, running } from './played';
 import { SubmapsLayer } from './submaps_layer';
 
-const xOf = (submaps: SubmapsLayer, id: number): number => new Vector3().applyMatrix4(submaps.groupOf(id).matrix).x;
+const xOf = (submaps: SubmapsLayer, id: number): number =>
+  new Vector3().applyMatrix4(submaps.groupOf(id).matrix).x;
 
 describe('SubmapsLayer', () => {
   it('places a new submap at once and lets a corrected one glide', () => {

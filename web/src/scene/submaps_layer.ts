@@ -1,4 +1,5 @@
-// Where the submaps stand: a correction lets them glide to new poses, and all that hangs on them glides along.
+// Where the submaps stand: a correction lets them glide to new poses, and all that
+// hangs on them glides along.
 import { Group } from 'three';
 import type { Pose, ScanEvent } from '../connection/events';
 import type { Layer } from './layer';
@@ -22,10 +23,12 @@ export class SubmapsLayer implements Layer {
   private running = false;
 
   onEvent(event: ScanEvent): void {
-    if (event.kind === 'submapPoses') for (const pose of event.poses) this.move(pose.submap, pose.worldFromSubmap, pose.part);
+    if (event.kind === 'submapPoses')
+      for (const pose of event.poses) this.move(pose.submap, pose.worldFromSubmap, pose.part);
     if (event.kind === 'frame') this.current = event.inSubmap?.submap ?? null;
     if (event.kind === 'scanState') this.running = event.phase === 'running';
-    if (event.kind === 'frame' || event.kind === 'submapPoses' || event.kind === 'scanState') this.tellPartsApart();
+    if (event.kind === 'frame' || event.kind === 'submapPoses' || event.kind === 'scanState')
+      this.tellPartsApart();
   }
 
   tick(elapsed_ms: number): boolean {
@@ -69,7 +72,8 @@ export class SubmapsLayer implements Layer {
 
   private tellPartsApart(): void {
     for (const [id, { group }] of this.submaps)
-      if (this.poses.isFaded(id) !== this.isApart(id)) this.poses.set(id, group.matrix, this.isApart(id));
+      if (this.poses.isFaded(id) !== this.isApart(id))
+        this.poses.set(id, group.matrix, this.isApart(id));
   }
 
   private submap(id: number): Submap {

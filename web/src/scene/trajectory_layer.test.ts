@@ -33,17 +33,29 @@ describe('TrajectoryLayer', () => {
   });
 
   it('places the past, which comes before the poses', () => {
-    const past = { kind: 'trajectory', positions_m: Float32Array.of(1, 0, 0, 2, 0, 0), submaps: Uint32Array.of(0, 1) } as const;
+    const past = {
+      kind: 'trajectory',
+      positions_m: Float32Array.of(1, 0, 0, 2, 0, 0),
+      submaps: Uint32Array.of(0, 1),
+    } as const;
     expect(play(past, poses([0, 10])).xs()).toEqual([1, 12]);
   });
 
   it('takes another past in place of its own, as of a map that was made anew', () => {
-    const past = { kind: 'trajectory', positions_m: Float32Array.of(4, 0, 0), submaps: Uint32Array.of(0) } as const;
+    const past = {
+      kind: 'trajectory',
+      positions_m: Float32Array.of(4, 0, 0),
+      submaps: Uint32Array.of(0),
+    } as const;
     expect(play(poses([0]), frame(0, 1), frame(0, 2), past, frame(0, 5)).xs()).toEqual([4, 5]);
   });
 
   it('leaves a path in the world where it is', () => {
-    const past = { kind: 'trajectory', positions_m: Float32Array.of(1, 0, 0), submaps: null } as const;
+    const past = {
+      kind: 'trajectory',
+      positions_m: Float32Array.of(1, 0, 0),
+      submaps: null,
+    } as const;
     const path = play(poses([5]), past, frame(0, 2, { inSubmap: null }));
     path.tell(poses([7]), 1000);
     expect(path.xs()).toEqual([1, 2]);
@@ -59,8 +71,14 @@ describe('TrajectoryLayer', () => {
 
   it('grows beyond its first capacity', () => {
     const many = 3000;
-    const positions_m = Float32Array.from({ length: 3 * many }, (_, i) => (i % 3 === 0 ? i / 3 : 0));
-    const path = play({ kind: 'trajectory', positions_m, submaps: new Uint32Array(many) }, frame(0, 5), poses([100]));
+    const positions_m = Float32Array.from({ length: 3 * many }, (_, i) =>
+      i % 3 === 0 ? i / 3 : 0,
+    );
+    const path = play(
+      { kind: 'trajectory', positions_m, submaps: new Uint32Array(many) },
+      frame(0, 5),
+      poses([100]),
+    );
     expect(path.xs()).toHaveLength(many + 1);
     expect(path.xs()[many - 1]).toBe(100 + many - 1);
     expect(path.xs()[many]).toBe(105);

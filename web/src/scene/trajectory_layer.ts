@@ -1,5 +1,13 @@
-// The way of the camera through the world, as a line. Every position belongs to a submap: a correction bends the line with the points.
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Line, LineBasicMaterial, Vector3 } from 'three';
+// The way of the camera through the world, as a line. Every position belongs to a submap: a
+// correction bends the line with the points.
+import {
+  BufferAttribute,
+  BufferGeometry,
+  DynamicDrawUsage,
+  Line,
+  LineBasicMaterial,
+  Vector3,
+} from 'three';
 import type { ScanEvent } from '../connection/events';
 import type { Layer } from './layer';
 import type { SubmapsLayer } from './submaps_layer';
@@ -17,7 +25,10 @@ export class TrajectoryLayer implements Layer {
   private seenVersion = 0; // of the submaps' poses
 
   constructor(private readonly submaps: SubmapsLayer) {
-    this.object = new Line(new BufferGeometry(), new LineBasicMaterial({ color: 0x7fd1b9, transparent: true, opacity: 0.75 }));
+    this.object = new Line(
+      new BufferGeometry(),
+      new LineBasicMaterial({ color: 0x7fd1b9, transparent: true, opacity: 0.75 }),
+    );
     this.object.frustumCulled = false;
     this.show();
   }
@@ -56,7 +67,8 @@ export class TrajectoryLayer implements Layer {
     if (added <= 0) return;
     if (this.length + added > this.ofSubmap.length) this.grow(this.length + added);
     for (let i = 0; i < added * 3; ++i) this.inSubmaps_m[this.length * 3 + i] = positions_m[i]!;
-    for (let i = 0; i < added; ++i) this.ofSubmap[this.length + i] = submaps ? submaps[i]! : inWorld;
+    for (let i = 0; i < added; ++i)
+      this.ofSubmap[this.length + i] = submaps ? submaps[i]! : inWorld;
     this.length += added;
     this.place(this.length - added);
   }
@@ -77,7 +89,10 @@ export class TrajectoryLayer implements Layer {
 
   private grow(needed: number): void {
     const capacity = Math.max(needed, 2 * this.ofSubmap.length);
-    const larger = <Numbers extends Float32Array | Uint32Array>(into: Numbers, from: Numbers): Numbers => {
+    const larger = <Numbers extends Float32Array | Uint32Array>(
+      into: Numbers,
+      from: Numbers,
+    ): Numbers => {
       into.set(from);
       return into;
     };

@@ -6,8 +6,16 @@ import { Upright } from './upright';
 // A floor that is seen by a camera which looks down by an angle.
 function floor(tilt_rad: number): SurfaceSamples {
   const count = 1000;
-  const normals = Float32Array.from({ length: 3 * count }, (_, i) => [0, -Math.cos(tilt_rad), -Math.sin(tilt_rad)][i % 3]!);
-  return { count, positions_m: new Float32Array(3 * count), normals, weights: new Float32Array(count).fill(1) };
+  const normals = Float32Array.from(
+    { length: 3 * count },
+    (_, i) => [0, -Math.cos(tilt_rad), -Math.sin(tilt_rad)][i % 3]!,
+  );
+  return {
+    count,
+    positions_m: new Float32Array(3 * count),
+    normals,
+    weights: new Float32Array(count).fill(1),
+  };
 }
 
 const turn = (upright: Upright): void => {
@@ -15,7 +23,9 @@ const turn = (upright: Upright): void => {
 };
 // Where the floor's normal points on the screen.
 const shown = (upright: Upright, tilt_rad: number): Vector3 =>
-  new Vector3(0, -Math.cos(tilt_rad), -Math.sin(tilt_rad)).applyQuaternion(upright.object.quaternion);
+  new Vector3(0, -Math.cos(tilt_rad), -Math.sin(tilt_rad)).applyQuaternion(
+    upright.object.quaternion,
+  );
 
 describe('Upright', () => {
   it('turns the world so that the floor lies flat, and tells how far', () => {

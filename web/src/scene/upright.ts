@@ -1,5 +1,5 @@
-// Turns the world so that up is up: by itself from the surface, or as somebody has said. Everything of the world hangs below `object`; outside of it y
-// points down along gravity.
+// Turns the world so that up is up: by itself from the surface, or as somebody has said. Everything
+// of the world hangs below `object`; outside of it y points down along gravity.
 import { Group, Quaternion, Vector3 } from 'three';
 import type { Box } from './framing';
 import { firstCamerasUp, upOf, type Direction, type SurfaceSamples } from './gravity';
@@ -42,7 +42,8 @@ export class Upright {
     return now_ms - this.estimated_ms >= estimateEvery_ms;
   }
 
-  // True when up is another one now. `final`: nothing more will come, so that small changes count, too.
+  // True when up is another one now. `final`: nothing more will come, so that
+  // small changes count, too.
   estimate(samples: SurfaceSamples, now_ms: number, final: boolean): boolean {
     this.estimated_ms = now_ms;
     const up = upOf(samples);
@@ -60,7 +61,10 @@ export class Upright {
     const before = this.object.quaternion.clone();
     const left_rad = before.angleTo(this.target);
     this.still = left_rad < 1e-4 || at_once;
-    this.object.quaternion.slerp(this.target, this.still ? 1 : 1 - Math.exp(-elapsed_ms / settle_ms));
+    this.object.quaternion.slerp(
+      this.target,
+      this.still ? 1 : 1 - Math.exp(-elapsed_ms / settle_ms),
+    );
     this.object.updateMatrix();
     this.object.matrixWorldNeedsUpdate = true;
     this.onTurned(this.object.quaternion.clone().multiply(before.invert()));
@@ -72,7 +76,11 @@ export class Upright {
     const low = new Vector3(...min_m);
     const half = new Vector3(...max_m).sub(low).multiplyScalar(0.5);
     const middle = low.add(half).applyQuaternion(this.object.quaternion);
-    return { min_m: middle.clone().sub(half).toArray(), max_m: middle.clone().add(half).toArray(), weight };
+    return {
+      min_m: middle.clone().sub(half).toArray(),
+      max_m: middle.clone().add(half).toArray(),
+      weight,
+    };
   }
 
   private aim(): void {

@@ -4,8 +4,13 @@ import type { Store } from './store';
 
 const addressAfter_ms = 400;
 
-// `query`: how the scan is looked at just now. Browsers let the address change only so often. Returns how to stop.
-export function watchAddress(scanId: string, query: () => string, stores: readonly Pick<Store<unknown, never>, 'subscribe'>[]): () => void {
+// `query`: how the scan is looked at just now. Browsers let the address change only so
+// often. Returns how to stop.
+export function watchAddress(
+  scanId: string,
+  query: () => string,
+  stores: readonly Pick<Store<unknown, never>, 'subscribe'>[],
+): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let before = query();
   const onChange = (): void => {

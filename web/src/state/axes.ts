@@ -1,5 +1,5 @@
-// The directions of a model in the world frame of the scan: up, the horizontal direction that most walls face, and the
-// one at right angles to both. Pure functions.
+// The directions of a model in the world frame of the scan: up, the horizontal direction that most
+// walls face, and the one at right angles to both. Pure functions.
 
 export type Triple = readonly [number, number, number];
 

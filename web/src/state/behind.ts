@@ -1,5 +1,6 @@
-// How far what is on the screen is behind what the camera sends. The server tells how long it took, by its own clock; the browser adds what it measured by
-// its own. Two clocks are never compared, hence the way from the camera to the server is in none of these.
+// How far what is on the screen is behind what the camera sends. The server tells how long it took,
+// by its own clock; the browser adds what it measured by its own. Two clocks are never compared,
+// hence the way from the camera to the server is in none of these.
 import type { ServerDelays } from '../connection/frames';
 import { t } from '../texts/texts';
 import { durationText, secondsText } from './quantities';
@@ -29,13 +30,19 @@ export class BehindMeter {
   }
 
   // The image that came with `delays` is on the screen since `drawn_ms`.
-  imageDrawn(delays: ServerDelays, { asked_ms, answered_ms }: Exchange, drawn_ms: number, showsSurface: boolean): Behind {
+  imageDrawn(
+    delays: ServerDelays,
+    { asked_ms, answered_ms }: Exchange,
+    drawn_ms: number,
+    showsSurface: boolean,
+  ): Behind {
     this.roundTrips_ms = [...this.roundTrips_ms, answered_ms - asked_ms].slice(-remembered);
     const way_ms = Math.min(...this.roundTrips_ms) / 2;
     const server_ms = showsSurface ? delays.surface_ms : delays.points_ms;
     const own_ms = this.model_ms.length > 0 ? medianOf(this.model_ms) : null;
     return {
-      image_ms: delays.frameAge_ms === null ? null : delays.frameAge_ms + way_ms + drawn_ms - answered_ms,
+      image_ms:
+        delays.frameAge_ms === null ? null : delays.frameAge_ms + way_ms + drawn_ms - answered_ms,
       model_ms: server_ms === null || own_ms === null ? null : server_ms + way_ms + own_ms,
       server_ms,
       way_ms,
@@ -61,7 +68,12 @@ export function behindText({ image_ms, model_ms }: Behind): string {
 export function behindParts({ model_ms, server_ms }: Behind): string {
   const own = t.fromWhenTheServerHasA;
   if (model_ms === null || server_ms === null) return own;
-  return t.ofTheModelsTheServerTakes(own, delayText(model_ms), delayText(server_ms), delayText(model_ms - server_ms));
+  return t.ofTheModelsTheServerTakes(
+    own,
+    delayText(model_ms),
+    delayText(server_ms),
+    delayText(model_ms - server_ms),
+  );
 }
 
 const quiet_ms = 3000; // cameras that send, send more often

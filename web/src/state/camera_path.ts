@@ -1,17 +1,21 @@
 // How long the way of a camera was, from trajectory.txt. Pure functions.
 
 const step_m = 0.02; // shorter movements are trembling: they would make metres of a camera at rest
-const farthestStep_m = 0.5; // from one frame to the next no camera is followed farther: the map was corrected, or it was found again elsewhere
+// From one frame to the next no camera is followed farther: the map was corrected, or the camera
+// was found again elsewhere.
+const farthestStep_m = 0.5;
 
 export interface CameraPath {
   readonly length_m: number; // where the camera was followed
   readonly duration_s: number; // by the camera's clock
 }
 
-// Null when the file has no line. A frame in which the camera was lost repeats the line of the one before it: the way until it was found is not known.
+// Null when the file has no line. A frame in which the camera was lost repeats the line of the one
+// before it: the way until it was found is not known.
 export function pathOf(trajectory: string): CameraPath | null {
   let [length_m, first_s, last_s] = [0, NaN, NaN];
-  let [from, before]: (readonly number[] | null)[] = [null, null]; // where the step begins, and the line before
+  // Where the step begins, and the line before.
+  let [from, before]: (readonly number[] | null)[] = [null, null];
   let wasLost = false;
   for (const line of trajectory.split('\n')) {
     if (line === '' || line.startsWith('#')) continue;

@@ -12,7 +12,10 @@ interface Update {
 }
 
 // What a viewer shows after these updates, as name -> points.
-function shown(updates: readonly Update[]): { held: Record<string, number>; ledger: ChunkLedger<ChunkKey> } {
+function shown(updates: readonly Update[]): {
+  held: Record<string, number>;
+  ledger: ChunkLedger<ChunkKey>;
+} {
   const ledger = new ChunkLedger(nameOf, pointLimit);
   ledger.beginSnapshot();
   const held: Record<string, number> = {};
@@ -26,20 +29,30 @@ function shown(updates: readonly Update[]): { held: Record<string, number>; ledg
 
 // One content for each version, as a server would have sent it.
 const history = fc
-  .array(fc.record({ x: fc.integer({ min: 0, max: 4 }), points: fc.integer({ min: 0, max: 50 }) }), { maxLength: 30 })
-  .map((rows) => rows.map((row, i): Update => ({ key: key(row.x), version: BigInt(i + 1), points: row.points })));
+  .array(
+    fc.record({ x: fc.integer({ min: 0, max: 4 }), points: fc.integer({ min: 0, max: 50 }) }),
+    { maxLength: 30 },
+  )
+  .map((rows) =>
+    rows.map((row, i): Update => ({ key: key(row.x), version: BigInt(i + 1), points: row.points })),
+  );
 
 describe('ChunkLedger', () => {
   it('ends with the newest versions whatever the order and however many duplicates', () => {
     const shuffled = history.chain((updates) =>
-      fc.tuple(fc.constant(updates), fc.shuffledSubarray([...updates, ...updates], { minLength: 2 * updates.length })),
+      fc.tuple(
+        fc.constant(updates),
+        fc.shuffledSubarray([...updates, ...updates], { minLength: 2 * updates.length }),
+      ),
     );
     fc.assert(
       fc.property(shuffled, ([updates, received]) => {
         const expected = shown(updates);
         const actual = shown(received);
         expect(actual.held).toEqual(expected.held);
-        expect(actual.ledger.size).toBe(Object.values(expected.held).reduce((sum, points) => sum + points, 0));
+        expect(actual.ledger.size).toBe(
+          Object.values(expected.held).reduce((sum, points) => sum + points, 0),
+        );
         expect(actual.ledger.chunks).toBe(Object.keys(expected.held).length);
       }),
     );
@@ -53,7 +66,7 @@ describe('ChunkLedger', () => {
     expect(held).toEqual({});
   });
 
-  it('takes lower versions from a new connection and drops what the new snapshot does not name', () => {
+  it('takes lower versions from a new connection and drops what it does not name', () => {
     const { ledger } = shown([
       { key: key(1), version: 90n, points: 10 },
       { key: key(2), version: 91n, points: 20 },

@@ -1,7 +1,9 @@
 // Which chunks the viewer holds, and in which version: of points, or the pieces of a surface.
 //
-// Versions only grow within one connection, so an older or equal one is ignored: duplicates and reordering do no harm. A new connection (perhaps to
-// a restarted server that counts afresh) starts a new snapshot: any version is taken then, and what the snapshot did not name again is dropped at its end.
+// Versions only grow within one connection, so an older or equal one is ignored: duplicates
+// and reordering do no harm. A new connection (perhaps to a restarted server that counts
+// afresh) starts a new snapshot: any version is taken then, and what the snapshot did not name
+// again is dropped at its end.
 import type { ChunkKey, MeshCube } from '../connection/events';
 
 // About 28 bytes a point on the graphics card: 340 MB.
@@ -14,7 +16,8 @@ export type Verdict = 'apply' | 'ignore' | 'full';
 interface Entry<Key> {
   readonly key: Key;
   version: bigint;
-  size: number; // points or triangles; 0: removed, remembered so that a late older version cannot bring it back
+  // Points or triangles. 0: removed, remembered so that a late older version cannot bring it back.
+  size: number;
   snapshot: number;
 }
 

@@ -1,7 +1,16 @@
 import { describe, expect, it } from 'vitest';
 import type { ComparedChunk } from '../connection/compared_points';
 import type { ChangedRegion, CompareReport } from '../connection/comparisons';
-import { changeColor, colorOfDistance, colorsOf, isShown, ordered, remarksOf, sizeOf, verdictOf } from './comparing';
+import {
+  changeColor,
+  colorOfDistance,
+  colorsOf,
+  isShown,
+  ordered,
+  remarksOf,
+  sizeOf,
+  verdictOf,
+} from './comparing';
 
 const region: ChangedRegion = {
   kind: 'moved_towards',
@@ -36,7 +45,9 @@ describe('the texts of a comparison', () => {
     expect(verdictOf({ ...report, verdict: 'mirrored' })).toContain('mirrored');
     expect(verdictOf({ ...report, verdict: 'ambiguous' })).toContain('more than one way');
     expect(verdictOf({ ...report, verdict: 'too_sparse' })).toContain('too far apart');
-    expect(verdictOf({ ...report, verdict: 'different_places' })).toContain('do not show the same place');
+    expect(verdictOf({ ...report, verdict: 'different_places' })).toContain(
+      'do not show the same place',
+    );
     expect(remarksOf({ ...report, verdict: 'ambiguous' })).toEqual([
       'In the best position that was found, 98 % of what both saw agrees, and 70 % of the smaller scan lies in the other one.',
     ]);
@@ -78,7 +89,8 @@ describe('the colours of a comparison', () => {
   });
   it('are grey one over the other where nothing is known or has changed', () => {
     const colors = colorsOf(chunk(0), 'overlay');
-    const grey = (i: number): boolean => colors[4 * i] === colors[4 * i + 1] && colors[4 * i] === colors[4 * i + 2];
+    const grey = (i: number): boolean =>
+      colors[4 * i] === colors[4 * i + 1] && colors[4 * i] === colors[4 * i + 2];
     expect([0, 1, 2, 3, 4].map(grey)).toEqual([true, true, false, false, false]);
     expect(colors[0]).toBeLessThan(colors[4]!);
   });

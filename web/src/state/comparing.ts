@@ -1,6 +1,10 @@
 // What a comparison says, as texts and colours.
 import type { ChangedRegion, CompareReport, RegionKind, Verdict } from '../connection/comparisons';
-import { pointStates, type ComparedChunk, type PointStateName } from '../connection/compared_points';
+import {
+  pointStates,
+  type ComparedChunk,
+  type PointStateName,
+} from '../connection/compared_points';
 import { decimal, t } from '../texts/texts';
 import { millimetresText } from './quantities';
 
@@ -16,10 +20,18 @@ const [nearer, farther, pale]: readonly Rgb[] = [
   [30, 92, 232],
   [240, 236, 232],
 ] as const;
-const fixed: Readonly<Record<'removed' | 'added', Rgb>> = { removed: [214, 39, 196], added: [44, 180, 60] };
+const fixed: Readonly<Record<'removed' | 'added', Rgb>> = {
+  removed: [214, 39, 196],
+  added: [44, 180, 60],
+};
 const tint = 0.65; // side by side: of a change on a point's own colour
 
-const kindText: Record<RegionKind, string> = { added: t.added, removed: t.removed, moved_towards: t.nearer, moved_away: t.farther };
+const kindText: Record<RegionKind, string> = {
+  added: t.added,
+  removed: t.removed,
+  moved_towards: t.nearer,
+  moved_away: t.farther,
+};
 export const kindOf = (region: ChangedRegion): string => kindText[region.kind];
 
 const verdictText: Record<Verdict, string> = {
@@ -42,15 +54,20 @@ export function verdictOf({ verdict, regions, comparedArea_m2 }: CompareReport):
 // What is not known, and what the figures mean; each a sentence.
 export function remarksOf(report: CompareReport): string[] {
   const percent = (share: number): string => decimal(100 * share, 0);
-  if (report.verdict !== 'same_place') return [t.inTheBestPositionAgrees(percent(report.agreeingShare), percent(report.overlap))];
+  if (report.verdict !== 'same_place')
+    return [t.inTheBestPositionAgrees(percent(report.agreeingShare), percent(report.overlap))];
   const [firstKnown, secondKnown] = report.pathsKnown;
   const [firstParts, secondParts] = report.partCounts;
   return [
     ...(firstParts > 1 ? [t.theFirstScanIsInParts(firstParts)] : []),
     ...(secondParts > 1 ? [t.theSecondScanIsInParts(secondParts)] : []),
     t.changesFromOnAreShown(millimetresText(report.leastChange_m, 0)),
-    ...(report.weakestSigma_m === null ? [] : [t.theScansLieToEachOther(millimetresText(2 * report.weakestSigma_m, 1))]),
-    ...(report.unseenArea_m2 >= 0.05 ? [t.m2WereNotSeenByThe(decimal(report.unseenArea_m2, 1))] : []),
+    ...(report.weakestSigma_m === null
+      ? []
+      : [t.theScansLieToEachOther(millimetresText(2 * report.weakestSigma_m, 1))]),
+    ...(report.unseenArea_m2 >= 0.05
+      ? [t.m2WereNotSeenByThe(decimal(report.unseenArea_m2, 1))]
+      : []),
     ...(secondKnown ? [] : [t.nothingCouldBeCalledRemoved]),
     ...(firstKnown ? [] : [t.nothingCouldBeCalledAdded]),
   ];
@@ -58,9 +75,16 @@ export function remarksOf(report: CompareReport): string[] {
 
 // "23.4 mm ± 2.1 mm", or its area.
 export function sizeOf(region: ChangedRegion): string {
-  const area = region.area_m2 < 0.1 ? t.cm2(decimal(1e4 * region.area_m2, 0)) : t.m2(decimal(region.area_m2, 2));
+  const area =
+    region.area_m2 < 0.1
+      ? t.cm2(decimal(1e4 * region.area_m2, 0))
+      : t.m2(decimal(region.area_m2, 2));
   if (region.kind === 'added' || region.kind === 'removed') return area;
-  return t.byWithinOn(millimetresText(Math.abs(region.distance_m), 1), millimetresText(1.96 * region.sigma_m, 1), area);
+  return t.byWithinOn(
+    millimetresText(Math.abs(region.distance_m), 1),
+    millimetresText(1.96 * region.sigma_m, 1),
+    area,
+  );
 }
 
 // Of a change by so many metres, signed.
@@ -92,8 +116,18 @@ export function colorsOf({ points, states, distances_m }: ComparedChunk, look: L
 }
 
 // Over the first scan, of the second one what the first does not have.
-export function isShown(scan: 0 | 1, state: PointStateName, distance_m: number, look: Look): boolean {
-  return look === 'sides' || scan === 0 || state === 'added' || (state === 'unseen' && !Number.isFinite(distance_m));
+export function isShown(
+  scan: 0 | 1,
+  state: PointStateName,
+  distance_m: number,
+  look: Look,
+): boolean {
+  return (
+    look === 'sides' ||
+    scan === 0 ||
+    state === 'added' ||
+    (state === 'unseen' && !Number.isFinite(distance_m))
+  );
 }
 
 function greyOf(own: Rgb, state: PointStateName): Rgb {

@@ -8,7 +8,11 @@ describe('coverage', () => {
     return counts;
   };
   it('is told in shares of the points', () => {
-    expect(coverageOf(counted(3, lowConfidence, goodConfidence, 31))).toEqual({ low: 0.25, fair: 0.25, good: 0.5 });
+    expect(coverageOf(counted(3, lowConfidence, goodConfidence, 31))).toEqual({
+      low: 0.25,
+      fair: 0.25,
+      good: 0.5,
+    });
   });
   it('has its limits where the next kind begins', () => {
     expect(coverageOf(counted(lowConfidence - 0.125))!.low).toBe(1);

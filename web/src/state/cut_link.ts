@@ -1,4 +1,5 @@
-// Clip box and section plane as query parameters, so that a link opens the same view. Pure functions.
+// Clip box and section plane as query parameters, so that a link opens the
+// same view. Pure functions.
 import { dot, type Axes, type Triple } from './axes';
 import { initialCutting, sectionKinds, type Box, type Cutting, type Section } from './cutting';
 
@@ -21,12 +22,19 @@ export function readCut(query: string): Cutting {
   const fields = new URLSearchParams(query);
   const axes = axesOf(numbers(fields.get('axes'), 6));
   if (!axes) return initialCutting;
-  return { ...initialCutting, axes, clip: boxOf(numbers(fields.get('clip'), 6)), section: sectionOf(fields.get('cut')) };
+  return {
+    ...initialCutting,
+    axes,
+    clip: boxOf(numbers(fields.get('clip'), 6)),
+    section: sectionOf(fields.get('cut')),
+  };
 }
 
 function numbers(text: string | null, count: number): number[] | null {
   const values = (text ?? '').split(',').map((part) => (part.trim() === '' ? NaN : Number(part)));
-  return values.length === count && values.every((value) => Math.abs(value) <= farthest_m) ? values : null;
+  return values.length === count && values.every((value) => Math.abs(value) <= farthest_m)
+    ? values
+    : null;
 }
 
 function axesOf(values: number[] | null): Axes | null {
@@ -38,12 +46,17 @@ function axesOf(values: number[] | null): Axes | null {
 
 function boxOf(values: number[] | null): Box | null {
   if (!values || [0, 1, 2].some((k) => values[k]! > values[k + 3]!)) return null;
-  return { low_m: values.slice(0, 3) as unknown as Triple, high_m: values.slice(3) as unknown as Triple };
+  return {
+    low_m: values.slice(0, 3) as unknown as Triple,
+    high_m: values.slice(3) as unknown as Triple,
+  };
 }
 
 function sectionOf(text: string | null): Section | null {
   const [name, ...rest] = (text ?? '').split(',');
   const kind = sectionKinds.find((one) => one === name);
   const values = numbers(rest.join(','), 2);
-  return kind && values && Math.abs(values[1]!) <= 90 ? { kind, at_m: values[0]!, turn_deg: values[1]! } : null;
+  return kind && values && Math.abs(values[1]!) <= 90
+    ? { kind, at_m: values[0]!, turn_deg: values[1]! }
+    : null;
 }

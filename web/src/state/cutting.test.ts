@@ -1,7 +1,16 @@
 import { describe, expect, it } from 'vitest';
 import { axesOf, cross, dot } from './axes';
 import { cutQuery, readCut } from './cut_link';
-import { initialCutting, planeOf, rangeOf, reduceCutting, zeroOf, type Cutting, type CuttingEvent, type Model } from './cutting';
+import {
+  initialCutting,
+  planeOf,
+  rangeOf,
+  reduceCutting,
+  zeroOf,
+  type Cutting,
+  type CuttingEvent,
+  type Model,
+} from './cutting';
 
 const axes = { along: [1, 0, 0], up: [0, -1, 0] } as const; // y points down
 const model: Model = { axes, low_m: [-2, 0, -3], high_m: [2, 2.5, 3], floor_m: 0.1 };
@@ -14,7 +23,10 @@ const begun: CuttingEvent[] = [
 describe('the clip box', () => {
   it('begins as the bounds of the model', () => {
     expect(play(...begun).clip).toBeNull();
-    expect(play(...begun, { kind: 'clip', on: true }).clip).toEqual({ low_m: model.low_m, high_m: model.high_m });
+    expect(play(...begun, { kind: 'clip', on: true }).clip).toEqual({
+      low_m: model.low_m,
+      high_m: model.high_m,
+    });
     expect(play({ kind: 'clip', on: true }).clip).toBeNull(); // of nothing
   });
 
@@ -32,17 +44,27 @@ describe('the clip box', () => {
     expect(play(...begun, { kind: 'clip', on: true }, grown).clip!.high_m[0]).toBe(5);
     const moved: CuttingEvent = { kind: 'face', face: { axis: 2, side: 'low_m' }, to_m: 0 };
     expect(play(...begun, { kind: 'clip', on: true }, moved, grown).clip!.high_m[0]).toBe(2);
-    expect(play(...begun, { kind: 'clip', on: true }, moved, { kind: 'reset', model }).clip!.low_m[2]).toBe(-3);
+    expect(
+      play(...begun, { kind: 'clip', on: true }, moved, { kind: 'reset', model }).clip!.low_m[2],
+    ).toBe(-3);
   });
 });
 
 describe('the section plane', () => {
   it('begins 1.2 m above the floor, or in the middle', () => {
-    expect(play(...begun, { kind: 'cut', by: 'horizontal' }).section).toEqual({ kind: 'horizontal', at_m: 1.3, turn_deg: 0 });
+    expect(play(...begun, { kind: 'cut', by: 'horizontal' }).section).toEqual({
+      kind: 'horizontal',
+      at_m: 1.3,
+      turn_deg: 0,
+    });
     expect(play(...begun, { kind: 'cut', by: 'vertical' }).section!.at_m).toBe(0);
     const low = { ...model, high_m: [2, 1, 3] } as const;
-    expect(play({ kind: 'measured', model: low }, { kind: 'cut', by: 'horizontal' }).section!.at_m).toBe(0.5);
-    expect(play(...begun, { kind: 'cut', by: 'vertical' }, { kind: 'cut', by: 'off' }).section).toBeNull();
+    expect(
+      play({ kind: 'measured', model: low }, { kind: 'cut', by: 'horizontal' }).section!.at_m,
+    ).toBe(0.5);
+    expect(
+      play(...begun, { kind: 'cut', by: 'vertical' }, { kind: 'cut', by: 'off' }).section,
+    ).toBeNull();
   });
 
   it('turns about the middle of the model', () => {
@@ -59,7 +81,10 @@ describe('the section plane', () => {
   });
 
   it('has a right-handed frame, with up up', () => {
-    for (const section of [{ kind: 'horizontal', at_m: 1, turn_deg: 0 } as const, { kind: 'vertical', at_m: 1, turn_deg: 30 } as const]) {
+    for (const section of [
+      { kind: 'horizontal', at_m: 1, turn_deg: 0 } as const,
+      { kind: 'vertical', at_m: 1, turn_deg: 30 } as const,
+    ]) {
       const { u, v, normal } = planeOf(axes, section);
       cross(u, v).forEach((value, k) => expect(value).toBeCloseTo(normal[k]!));
       if (section.kind === 'vertical') expect(v).toEqual(axes.up);
@@ -84,8 +109,18 @@ describe('axesOf', () => {
 
 describe('a link', () => {
   it('opens the same view', () => {
-    const state = play(...begun, { kind: 'clip', on: true }, { kind: 'cut', by: 'vertical' }, { kind: 'turned', turn_deg: -30 });
-    expect(readCut(cutQuery(state))).toEqual({ ...state, active: false, model: null, axes: { along: [1, 0, 0], up: [0, -1, 0] } });
+    const state = play(
+      ...begun,
+      { kind: 'clip', on: true },
+      { kind: 'cut', by: 'vertical' },
+      { kind: 'turned', turn_deg: -30 },
+    );
+    expect(readCut(cutQuery(state))).toEqual({
+      ...state,
+      active: false,
+      model: null,
+      axes: { along: [1, 0, 0], up: [0, -1, 0] },
+    });
     expect(cutQuery(play(...begun))).toBe('');
   });
 

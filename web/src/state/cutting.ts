@@ -21,7 +21,8 @@ export interface Section {
   readonly turn_deg: number; // about up; of a vertical one
 }
 
-// In the world of the scan. (u, v, normal) is right-handed: whoever looks against the normal sees u to the right and v upwards.
+// In the world of the scan. (u, v, normal) is right-handed: whoever looks against the normal sees u
+// to the right and v upwards.
 export interface Plane {
   readonly u: Triple;
   readonly v: Triple;
@@ -57,7 +58,13 @@ export type CuttingEvent =
   | { readonly kind: 'moved'; readonly at_m: number }
   | { readonly kind: 'turned'; readonly turn_deg: number };
 
-export const initialCutting: Cutting = { active: false, axes: null, model: null, clip: null, section: null };
+export const initialCutting: Cutting = {
+  active: false,
+  axes: null,
+  model: null,
+  clip: null,
+  section: null,
+};
 
 export const turnRange_deg = { min: -90, max: 90, step: 1 } as const;
 const thinnest_m = 0.01;
@@ -74,14 +81,18 @@ export function reduceCutting(state: Cutting, event: CuttingEvent): Cutting {
     case 'reset':
       return { ...state, model: event.model, axes: event.model.axes, clip: boxOf(event.model) };
     case 'face':
-      return state.clip && state.model ? { ...state, clip: moved(state.clip, event.face, event.to_m, state.model) } : state;
+      return state.clip && state.model
+        ? { ...state, clip: moved(state.clip, event.face, event.to_m, state.model) }
+        : state;
     case 'cut':
       if (event.by === 'off' || !state.model) return { ...state, section: null };
       return { ...state, section: firstSection(state.model, event.by) };
     case 'moved':
       return state.section ? { ...state, section: { ...state.section, at_m: event.at_m } } : state;
     case 'turned':
-      return state.section && state.model ? { ...state, section: turned(state.model, state.section, event.turn_deg) } : state;
+      return state.section && state.model
+        ? { ...state, section: turned(state.model, state.section, event.turn_deg) }
+        : state;
   }
 }
 
@@ -103,7 +114,9 @@ function isSame(a: Box, b: Box): boolean {
 function moved(box: Box, { axis, side }: Face, to_m: number, model: Box): Box {
   const [low, high] = [model.low_m[axis], model.high_m[axis]];
   const [least, most] =
-    side === 'low_m' ? [low, Math.max(low, box.high_m[axis] - thinnest_m)] : [Math.min(high, box.low_m[axis] + thinnest_m), high];
+    side === 'low_m'
+      ? [low, Math.max(low, box.high_m[axis] - thinnest_m)]
+      : [Math.min(high, box.low_m[axis] + thinnest_m), high];
   const values: [number, number, number] = [...box[side]];
   values[axis] = Math.min(most, Math.max(least, to_m));
   return { ...box, [side]: values };
@@ -112,8 +125,14 @@ function moved(box: Box, { axis, side }: Face, to_m: number, model: Box): Box {
 // Where the plane may stand to meet the model: along its normal.
 export function rangeOf(model: Model, section: Section): readonly [number, number] {
   const { normal } = planeOf(model.axes, section);
-  const reach = threeOf(model.axes).map((axis, k) => [dot(axis, normal) * model.low_m[k]!, dot(axis, normal) * model.high_m[k]!]);
-  return [reach.reduce((sum, ends) => sum + Math.min(...ends), 0), reach.reduce((sum, ends) => sum + Math.max(...ends), 0)];
+  const reach = threeOf(model.axes).map((axis, k) => [
+    dot(axis, normal) * model.low_m[k]!,
+    dot(axis, normal) * model.high_m[k]!,
+  ]);
+  return [
+    reach.reduce((sum, ends) => sum + Math.min(...ends), 0),
+    reach.reduce((sum, ends) => sum + Math.max(...ends), 0),
+  ];
 }
 
 // Where people count from: the floor, or where the model begins.

@@ -70,7 +70,7 @@ test('what is there is taken at once', async () => {
   expect(downloads.loadedOf(plan)).toBe(null);
 });
 
-test('what is missing is made first and taken when it is ready, even where nobody looks any more', async () => {
+test('what is missing is made first and taken when it is ready, even if nobody looks', async () => {
   await looked();
   await downloads.take(downloads.find('dxf'));
   looking = false;
@@ -106,7 +106,12 @@ test('why something did not work is said', async () => {
   listed = [{ ...plan, state: 'ready' }];
   await looked();
   const failing = new Downloads(
-    { list: async () => listed, make: () => Promise.reject(new Error('')), remove: async () => {}, load: async () => new Blob() },
+    {
+      list: async () => listed,
+      make: () => Promise.reject(new Error('')),
+      remove: async () => {},
+      load: async () => new Blob(),
+    },
     { show: () => {}, say: (text) => void said.push(text), save: () => {}, isLookedAt: () => true },
   );
   await failing.take(plan);

@@ -1,4 +1,5 @@
-// What a finished scan can be taken away as just now, and what somebody waits for: it is taken as soon as the server has made it.
+// What a finished scan can be taken away as just now, and what somebody waits for: it is taken as
+// soon as the server has made it.
 import { errorText } from '../connection/api';
 import type { MeshFinish, ScanExport } from '../connection/exports';
 
@@ -57,7 +58,8 @@ export class Downloads {
       let one = chosen;
       if (!one || this.loaded_bytes.has(one.format)) return;
       if (one.state === 'ready') return this.load(one);
-      if (one.state === 'missing' || one.state === 'failed') this.put((one = await this.server.make(one.of_format, one.finish)));
+      if (one.state === 'missing' || one.state === 'failed')
+        this.put((one = await this.server.make(one.of_format, one.finish)));
       this.wanted.add(one.format);
       this.poll();
     });
@@ -88,7 +90,9 @@ export class Downloads {
 
   private put(one: ScanExport): void {
     const isThere = this.exports.some((old) => old.format === one.format);
-    this.exports = isThere ? this.exports.map((old) => (old.format === one.format ? one : old)) : [...this.exports, one];
+    this.exports = isThere
+      ? this.exports.map((old) => (old.format === one.format ? one : old))
+      : [...this.exports, one];
   }
 
   private async load(one: ScanExport): Promise<void> {
@@ -118,7 +122,10 @@ export class Downloads {
 
   private poll(): void {
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => void this.attempt(() => this.refresh()).then(() => this.pollOn()), pollEvery_ms);
+    this.timer = setTimeout(
+      () => void this.attempt(() => this.refresh()).then(() => this.pollOn()),
+      pollEvery_ms,
+    );
   }
 
   // While somebody looks or waits and something is going on.

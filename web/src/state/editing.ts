@@ -6,7 +6,8 @@ export type BoxKind = 'keep_inside' | 'remove_inside';
 
 export type BoxEdit = Box & { readonly kind: BoxKind; readonly axes: Axes };
 
-export type Edit = BoxEdit | { readonly kind: 'remove_floating'; readonly smaller_than_m: number }; // parts that are connected with nothing
+// `remove_floating` takes out parts that are connected with nothing.
+export type Edit = BoxEdit | { readonly kind: 'remove_floating'; readonly smaller_than_m: number };
 
 export interface EditList {
   readonly version: number; // of the server; grows with each change
@@ -22,7 +23,14 @@ export interface Editing extends EditList {
   readonly problem: 'none' | 'conflict' | string; // why nothing has come of the last one
 }
 
-export const initialEditing: Editing = { version: 0, edits: [], known: false, undone: [], busy: false, problem: 'none' };
+export const initialEditing: Editing = {
+  version: 0,
+  edits: [],
+  known: false,
+  undone: [],
+  busy: false,
+  problem: 'none',
+};
 
 export type EditingEvent =
   | { readonly kind: 'read'; readonly list: EditList }
@@ -64,7 +72,9 @@ export function undoneOnce({ edits, undone }: Editing): EditStep | null {
 
 export function redoneOnce({ edits, undone }: Editing): EditStep | null {
   const next = undone.at(-1);
-  return next && edits.length < mostEdits ? { edits: [...edits, next], undone: undone.slice(0, -1) } : null;
+  return next && edits.length < mostEdits
+    ? { edits: [...edits, next], undone: undone.slice(0, -1) }
+    : null;
 }
 
 // The server takes no box that is thinner; a model may be flat.

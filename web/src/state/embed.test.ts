@@ -3,12 +3,17 @@ import { readFragment } from '../connection/token';
 import { elementHtml, embeddedLink, frameHtml, isEmbedded, wholeLink } from './embed';
 import { routeOf } from './route';
 
-const link = 'https://scans.example/hermite/#share=hms_abc&scan=0123456789abcdefghijklmnop&clip=1,2';
+const link =
+  'https://scans.example/hermite/#share=hms_abc&scan=0123456789abcdefghijklmnop&clip=1,2';
 
 describe('an embedded scan', () => {
   it('is told by its address, however else it is looked at', () => {
     const route = routeOf(readFragment(new URL(embeddedLink(link)).hash).hash);
-    expect(route).toMatchObject({ page: 'scan', scanId: '0123456789abcdefghijklmnop', view: 'clip=1,2&embed=1' });
+    expect(route).toMatchObject({
+      page: 'scan',
+      scanId: '0123456789abcdefghijklmnop',
+      view: 'clip=1,2&embed=1',
+    });
     expect(route.page === 'scan' && isEmbedded(route.view)).toBe(true);
     expect(isEmbedded('clip=1,2')).toBe(false);
     expect(isEmbedded('embed=10')).toBe(false);
@@ -26,7 +31,9 @@ describe('an embedded scan', () => {
 
   it('is an element of the viewer’s own', () => {
     const html = elementHtml(link, 'a & b', 'https://scans.example/hermite/');
-    expect(html).toContain('<script src="https://scans.example/hermite/hermite-viewer.js" defer></script>');
+    expect(html).toContain(
+      '<script src="https://scans.example/hermite/hermite-viewer.js" defer></script>',
+    );
     expect(html).toContain('title="a &amp; b"');
   });
 });

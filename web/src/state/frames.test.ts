@@ -10,7 +10,9 @@ const list: FrameList = {
 };
 
 test('frames play by the camera’s clock', () => {
-  const played = [0, 0.05, 0.11, 1, 1.15, 1.21, 99].map((elapsed_s) => frameAfter(list, 0, elapsed_s));
+  const played = [0, 0.05, 0.11, 1, 1.15, 1.21, 99].map((elapsed_s) =>
+    frameAfter(list, 0, elapsed_s),
+  );
   expect(played).toEqual([0, 0, 1, 1, 3, 4, 4]); // and the camera's pause of 1.1 s takes one
   expect(frameAfter(list, 3, 0.11)).toBe(4);
   expect(frameAfter(list, 2, 0)).toBe(3);
@@ -18,11 +20,21 @@ test('frames play by the camera’s clock', () => {
 });
 
 test('frames without an image are passed over', () => {
-  expect([nextImage(list, 1, 1), nextImage(list, 3, -1), nextImage(list, 4, 1), nextImage(list, 0, -1)]).toEqual([3, 1, 4, 0]);
+  expect([
+    nextImage(list, 1, 1),
+    nextImage(list, 3, -1),
+    nextImage(list, 4, 1),
+    nextImage(list, 0, -1),
+  ]).toEqual([3, 1, 4, 0]);
 });
 
 test('times are since the first frame', () => {
-  expect([0, 1, 2, 3].map((frame) => timeText(list, frame))).toEqual(['0:00.000', '0:00.100', '', '0:01.200']);
+  expect([0, 1, 2, 3].map((frame) => timeText(list, frame))).toEqual([
+    '0:00.000',
+    '0:00.100',
+    '',
+    '0:01.200',
+  ]);
   expect(timeText({ ...list, timestamps_s: [0, 754.0335] }, 1)).toBe('12:34.034');
 });
 
@@ -37,10 +49,16 @@ test('the range of depth grows in steps and never shrinks', () => {
 
 // Fetches that are answered by hand.
 function desk() {
-  const asked: { which: number; signal: AbortSignal; answer: (item: string) => void; refuse: (error: Error) => void }[] = [];
+  const asked: {
+    which: number;
+    signal: AbortSignal;
+    answer: (item: string) => void;
+    refuse: (error: Error) => void;
+  }[] = [];
   const told: string[] = [];
   const one = new OneAtATime<string>(
-    (which, signal) => new Promise((answer, refuse) => asked.push({ which, signal, answer, refuse })),
+    (which, signal) =>
+      new Promise((answer, refuse) => asked.push({ which, signal, answer, refuse })),
     (which, item) => told.push(`${which} ${item}`),
     (which, error) => told.push(`${which} ${(error as Error).message}`),
   );

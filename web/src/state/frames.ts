@@ -1,12 +1,15 @@
-// Looking back at what a camera has seen: which frame plays when, what is said of one, and fetching that keeps up with whoever drags. No page in here.
+// Looking back at what a camera has seen: which frame plays when, what is said of one, and fetching
+// that keeps up with whoever drags. No page in here.
 import type { DepthRange, FrameList, FrameStatus } from '../connection/frames';
 import { t } from '../texts/texts';
 import { clockText } from './quantities';
 import type { StatusText } from './text';
 
-const longestStep_s = 1; // in which nothing plays: a pause of the camera may have taken half an hour
+// Nothing plays in a longer step: a pause of the camera may have taken half an hour.
+const longestStep_s = 1;
 
-// The frame to be seen so many seconds after frame `from`, by the camera's clock; frames without an image are passed over.
+// The frame to be seen so many seconds after frame `from`, by the camera's clock; frames without
+// an image are passed over.
 export function frameAfter({ timestamps_s }: FrameList, from: number, elapsed_s: number): number {
   let [at, at_s, played_s] = [from, timestamps_s[from] ?? null, 0];
   for (let i = from + 1; i < timestamps_s.length; ++i) {
@@ -21,7 +24,8 @@ export function frameAfter({ timestamps_s }: FrameList, from: number, elapsed_s:
 
 // Next to that one with an image, or that one itself where there is none.
 export function nextImage({ timestamps_s }: FrameList, from: number, step: 1 | -1): number {
-  for (let i = from + step; i >= 0 && i < timestamps_s.length; i += step) if ((timestamps_s[i] ?? null) !== null) return i;
+  for (let i = from + step; i >= 0 && i < timestamps_s.length; i += step)
+    if ((timestamps_s[i] ?? null) !== null) return i;
   return from;
 }
 
@@ -58,7 +62,9 @@ export function widened(range: DepthRange | null, measured: DepthRange): DepthRa
   if (measured.to_mm === 0) return range;
   const from_mm = Math.floor(measured.from_mm / step_mm) * step_mm;
   const to_mm = Math.max(from_mm + step_mm, Math.ceil(measured.to_mm / step_mm) * step_mm);
-  return range ? { from_mm: Math.min(range.from_mm, from_mm), to_mm: Math.max(range.to_mm, to_mm) } : { from_mm, to_mm };
+  return range
+    ? { from_mm: Math.min(range.from_mm, from_mm), to_mm: Math.max(range.to_mm, to_mm) }
+    : { from_mm, to_mm };
 }
 
 // Fetches what is wished for, one at a time: while one is on its way only the newest wish is kept.

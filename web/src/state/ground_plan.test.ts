@@ -3,7 +3,10 @@ import { describe, expect, it } from 'vitest';
 import type { Triple } from './axes';
 import { GroundPlan } from './ground_plan';
 
-const extent = (size_m: number) => ({ low_m: [0, 0, 0] as const, high_m: [size_m, 3, size_m] as const });
+const extent = (size_m: number) => ({
+  low_m: [0, 0, 0] as const,
+  high_m: [size_m, 3, size_m] as const,
+});
 
 describe('GroundPlan', () => {
   it('has no holes in triangles of any size', () => {
@@ -29,7 +32,10 @@ describe('GroundPlan', () => {
           0,
         ),
       ).toBe(true);
-      expect(plan.counts()).toEqual({ surface: Math.round(10 * size_m) ** 2, floor: Math.round(10 * size_m) ** 2 });
+      expect(plan.counts()).toEqual({
+        surface: Math.round(10 * size_m) ** 2,
+        floor: Math.round(10 * size_m) ** 2,
+      });
     }
   });
 
@@ -103,31 +109,40 @@ describe('GroundPlan', () => {
     const at = fc.double({ min: 0, max: 2, noNaN: true });
     const share = fc.double({ min: 0.01, max: 0.98, noNaN: true });
     fc.assert(
-      fc.property(fc.array(at, { minLength: 6, maxLength: 6 }), share, share, ([ax, az, bx, bz, cx, cz], s, t) => {
-        const plan = GroundPlan.over(extent(2))!;
-        plan.mark(
-          [
-            [ax!, 0, az!],
-            [bx!, 0, bz!],
-            [cx!, 0, cz!],
-          ],
-          null,
-        );
-        const { surface } = plan.counts();
-        const [u, v] = [s * (1 - t), s * t];
-        const [x, z] = [ax! + u * (bx! - ax!) + v * (cx! - ax!), az! + u * (bz! - az!) + v * (cz! - az!)];
-        const isInside = (value: number): boolean => Math.abs(((10 * value) % 1) - 0.5) < 0.49; // not on a border
-        if (!isInside(x) || !isInside(z)) return;
-        plan.mark(
-          [
-            [x, 0, z],
-            [x, 0, z],
-            [x, 0, z],
-          ],
-          null,
-        );
-        expect(plan.counts().surface).toBe(surface);
-      }),
+      fc.property(
+        fc.array(at, { minLength: 6, maxLength: 6 }),
+        share,
+        share,
+        ([ax, az, bx, bz, cx, cz], s, t) => {
+          const plan = GroundPlan.over(extent(2))!;
+          plan.mark(
+            [
+              [ax!, 0, az!],
+              [bx!, 0, bz!],
+              [cx!, 0, cz!],
+            ],
+            null,
+          );
+          const { surface } = plan.counts();
+          const [u, v] = [s * (1 - t), s * t];
+          const [x, z] = [
+            ax! + u * (bx! - ax!) + v * (cx! - ax!),
+            az! + u * (bz! - az!) + v * (cz! - az!),
+          ];
+          // Values on a border of squares are left out.
+          const isInside = (value: number): boolean => Math.abs(((10 * value) % 1) - 0.5) < 0.49;
+          if (!isInside(x) || !isInside(z)) return;
+          plan.mark(
+            [
+              [x, 0, z],
+              [x, 0, z],
+              [x, 0, z],
+            ],
+            null,
+          );
+          expect(plan.counts().surface).toBe(surface);
+        },
+      ),
     );
   });
 });

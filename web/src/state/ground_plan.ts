@@ -6,7 +6,9 @@ export type Corners = readonly [Triple, Triple, Triple]; // of a triangle
 
 export const planSquare_m = 0.1;
 const most_squares = 1 << 24;
-const most_visits = 1 << 26; // to squares and rows, less than a second; a room of a million triangles needs 10 million
+// Visits to squares and rows, which take less than a second; a room of a million
+// triangles needs 10 million.
+const most_visits = 1 << 26;
 const hair = 1e-4; // of a square: positions have 24 bits
 const floorWithin_m = 0.06;
 
@@ -28,11 +30,14 @@ export class GroundPlan {
 
   // Null when it would have too many squares.
   static over({ low_m, high_m }: Extent, most = most_visits): GroundPlan | null {
-    const [columns, rows] = [0, 2].map((k) => Math.max(1, Math.ceil((high_m[k]! - low_m[k]!) / planSquare_m))) as [number, number];
+    const [columns, rows] = [0, 2].map((k) =>
+      Math.max(1, Math.ceil((high_m[k]! - low_m[k]!) / planSquare_m)),
+    ) as [number, number];
     return columns * rows <= most_squares ? new GroundPlan(low_m, columns, rows, most) : null;
   }
 
-  // Marks the squares that a triangle touches, its corners along, up and across; as floor where it is so high. False: that is too much work in all.
+  // Marks the squares that a triangle touches, its corners along, up and across; as floor where it
+  // is so high. False: that is too much work in all.
   mark(corners: Corners, floor_m: number | null): boolean {
     const flat = corners.map(([x, , z]): readonly [number, number] => [
       (x - this.low_m[0]) / planSquare_m,
@@ -49,8 +54,12 @@ export class GroundPlan {
       for (let column = left; column <= right; ++column) {
         const isFloor =
           height_m !== null &&
-          Math.abs(height_m(this.low_m[0] + (column + 0.5) * planSquare_m, this.low_m[2] + (row + 0.5) * planSquare_m) - floor_m!) <
-            floorWithin_m;
+          Math.abs(
+            height_m(
+              this.low_m[0] + (column + 0.5) * planSquare_m,
+              this.low_m[2] + (row + 0.5) * planSquare_m,
+            ) - floor_m!,
+          ) < floorWithin_m;
         this.squares[row * this.columns + column]! |= isFloor ? hasSurface | hasFloor : hasSurface;
       }
     }
@@ -70,12 +79,16 @@ export class GroundPlan {
 // The squares that have some of a length in them, not only an end; of `count` squares.
 function spanOf(from: number, to: number, count: number): readonly [number, number] {
   const begin = Math.floor(from + hair);
-  const first = begin === count && from < count + hair ? count - 1 : begin; // what stands on the far border belongs to the last square
+  // What stands on the far border belongs to the last square.
+  const first = begin === count && from < count + hair ? count - 1 : begin;
   return [Math.max(0, first), Math.min(count - 1, Math.max(first, Math.ceil(to - hair) - 1))];
 }
 
 // From where to where a triangle reaches in a row of squares.
-function rowOf(corners: readonly (readonly [number, number])[], row: number): readonly [number, number] {
+function rowOf(
+  corners: readonly (readonly [number, number])[],
+  row: number,
+): readonly [number, number] {
   const [near, far] = [row - hair, row + 1 + hair];
   let [from, to] = [Infinity, -Infinity];
   for (let i = 0; i < 3; ++i) {
@@ -92,11 +105,17 @@ function rowOf(corners: readonly (readonly [number, number])[], row: number): re
 }
 
 // How high the plane of a triangle is, within its corners.
-function heightsOf([[ax, ay, az], [bx, by, bz], [cx, cy, cz]]: Corners): (x_m: number, z_m: number) => number {
+function heightsOf([[ax, ay, az], [bx, by, bz], [cx, cy, cz]]: Corners): (
+  x_m: number,
+  z_m: number,
+) => number {
   const twice = (bx - ax) * (cz - az) - (cx - ax) * (bz - az);
   const [low, high] = [Math.min(ay, by, cy), Math.max(ay, by, cy)];
   return (x_m, z_m) => {
-    const [u, v] = [((x_m - ax) * (cz - az) - (cx - ax) * (z_m - az)) / twice, ((bx - ax) * (z_m - az) - (x_m - ax) * (bz - az)) / twice];
+    const [u, v] = [
+      ((x_m - ax) * (cz - az) - (cx - ax) * (z_m - az)) / twice,
+      ((bx - ax) * (z_m - az) - (x_m - ax) * (bz - az)) / twice,
+    ];
     return Math.max(low, Math.min(high, ay + u * (by - ay) + v * (cy - ay)));
   };
 }

@@ -1,4 +1,5 @@
-// The scans of the server that the page knows, newest first: those that it tells at once, and older ones when somebody has asked for them.
+// The scans of the server that the page knows, newest first: those that it tells at once, and older
+// ones when somebody has asked for them.
 import { withOlder, type ScanSummary } from '../connection/api';
 
 interface ToldScans {

@@ -1,4 +1,5 @@
-// Whether the images of the camera are to be seen while it scans: what stays chosen, also for other scans and after a reload.
+// Whether the images of the camera are to be seen while it scans: what stays chosen, also for other
+// scans and after a reload.
 const storedAs = 'hermite.live';
 
 export function liveIsWanted(storage: Pick<Storage, 'getItem'>): boolean {

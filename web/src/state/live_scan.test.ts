@@ -15,7 +15,8 @@ import {
   wayBackLabel,
 } from './text';
 
-const after = (...events: LiveScanEvent[]): LiveScan => events.reduce(reduceLiveScan, initialLiveScan('scan1'));
+const after = (...events: LiveScanEvent[]): LiveScan =>
+  events.reduce(reduceLiveScan, initialLiveScan('scan1'));
 
 const frame = (tracking: TrackingName, x: number): FrameEvent => ({
   kind: 'frame',
@@ -58,14 +59,19 @@ const running = {
 
 describe('reduceLiveScan', () => {
   it('counts the poses before and since the viewer came, afresh after reconnecting', () => {
-    const past: LiveScanEvent = { kind: 'trajectory', positions_m: new Float32Array(9), submaps: null };
+    const past: LiveScanEvent = {
+      kind: 'trajectory',
+      positions_m: new Float32Array(9),
+      submaps: null,
+    };
     const seen = after(welcome, past, frame('tracked', 1));
     expect(seen.poses).toBe(4);
     expect(reduceLiveScan(seen, welcome).poses).toBe(0);
   });
 
-  it('says how well the position is known while the scan runs, and nothing of an older server or a lost camera', () => {
-    const at = (positionSigma_m: number | null): LiveScan => after(welcome, running, { ...frame('tracked', 1), positionSigma_m });
+  it('says how well the position is known while the scan runs, if the server tells', () => {
+    const at = (positionSigma_m: number | null): LiveScan =>
+      after(welcome, running, { ...frame('tracked', 1), positionSigma_m });
     expect(positionText(at(0.004))).toBe('± 8 mm');
     expect(positionText(at(0.0001))).toBe('± 1 mm');
     expect(positionText(at(0.0111))).toBe('± 3 cm');
@@ -81,7 +87,11 @@ describe('reduceLiveScan', () => {
   });
 
   it('asks a lost camera to go back to what was seen last', () => {
-    const lost: FrameEvent = { ...frame('lost', 1), timestamp_s: 14.2, lastTracked: { sequence: 300, timestamp_s: 10 } };
+    const lost: FrameEvent = {
+      ...frame('lost', 1),
+      timestamp_s: 14.2,
+      lastTracked: { sequence: 300, timestamp_s: 10 },
+    };
     expect(trackingText(after(welcome, running, lost))).toEqual({
       text: 'Lost: few points fit – go back to what was seen 4 s ago',
       tone: 'bad',
@@ -92,7 +102,12 @@ describe('reduceLiveScan', () => {
   });
 
   it('knows the frame that a lost camera is to go back to, until it is found again', () => {
-    const lost: FrameEvent = { ...frame('lost', 1), sequence: 310, timestamp_s: 14.2, lastTracked: { sequence: 300, timestamp_s: 10 } };
+    const lost: FrameEvent = {
+      ...frame('lost', 1),
+      sequence: 310,
+      timestamp_s: 14.2,
+      lastTracked: { sequence: 300, timestamp_s: 10 },
+    };
     const seen = after(welcome, running, frame('tracked', 1), lost);
     expect(seen.wayBack).toEqual({ sequence: 300, worldFromCamera: lost.worldFromCamera });
     expect(seen.sequence).toBe(310);
@@ -100,17 +115,28 @@ describe('reduceLiveScan', () => {
     expect(later.wayBack).toBe(seen.wayBack);
     expect(wayBackCaption(later)).toBe('Go back here, seen 4 s ago');
     expect(reduceLiveScan(later, frame('tracked', 2)).wayBack).toBeNull();
-    expect(reduceLiveScan(later, welcome).wayBack).toBeNull(); // perhaps of a scan that is built again
-    expect(after(welcome, running, { ...lost, lastTracked: null }).wayBack).toBeNull(); // nothing was ever tracked
+    // Perhaps it was the way back of a scan that is built again.
+    expect(reduceLiveScan(later, welcome).wayBack).toBeNull();
+    const neverTracked = { ...lost, lastTracked: null };
+    expect(after(welcome, running, neverTracked).wayBack).toBeNull();
   });
 
   it('says what happened to the map, for a while', () => {
-    const closed = after(welcome, running, happened('loopClosed', 0.031, 5), happened('none', 0, 6));
+    const closed = after(
+      welcome,
+      running,
+      happened('loopClosed', 0.031, 5),
+      happened('none', 0, 6),
+    );
     expect(eventText(closed)).toBe('Loop closed: the map was corrected by up to 4 cm.');
     expect(eventText(reduceLiveScan(closed, happened('none', 0, 14)))).toBe('');
-    expect(eventText(after(welcome, running, happened('loopClosed', 0.001, 5)))).toBe('Loop closed: the map was right.');
+    expect(eventText(after(welcome, running, happened('loopClosed', 0.001, 5)))).toBe(
+      'Loop closed: the map was right.',
+    );
     expect(eventText(after(welcome, running, happened('foundAgain', 0, 5)))).toBe('Found again.');
-    expect(eventText(after(welcome, running, happened('joined', 1, 5)))).toBe('Two parts of the map are joined.');
+    expect(eventText(after(welcome, running, happened('joined', 1, 5)))).toBe(
+      'Two parts of the map are joined.',
+    );
     expect(eventText(after(welcome, running, happened('recalibrated', 0.05, 5)))).toBe(
       'The camera’s calibration was off and is corrected: the map was corrected by up to 5 cm.',
     );
@@ -123,9 +149,13 @@ describe('reduceLiveScan', () => {
     const poses = [0, 0, 3].map((part, submap) => ({ submap, part, worldFromSubmap: pose }));
     const parted = after(welcome, running, { kind: 'submapPoses', poses });
     expect(parted).toMatchObject({ submaps: 3, parts: 2 });
-    expect(partsText(parted)).toBe('The map is in 2 parts: they will be joined when the camera sees both.');
+    expect(partsText(parted)).toBe(
+      'The map is in 2 parts: they will be joined when the camera sees both.',
+    );
     expect(partsText(reduceLiveScan(parted, { ...running, phase: 'finished' }))).toBe('');
-    expect(partsText(reduceLiveScan(parted, { kind: 'submapPoses', poses: poses.slice(0, 2) }))).toBe('');
+    expect(
+      partsText(reduceLiveScan(parted, { kind: 'submapPoses', poses: poses.slice(0, 2) })),
+    ).toBe('');
   });
 
   it('follows a camera that is tracked weakly, and warns', () => {
@@ -146,14 +176,22 @@ describe('reduceLiveScan', () => {
   });
 
   it('takes a complete scan for no problem, a refused token for one', () => {
-    expect(connectionText(after(welcome, { kind: 'closed', code: 'complete', reason: '' })).text).toBe('Complete');
+    expect(
+      connectionText(after(welcome, { kind: 'closed', code: 'complete', reason: '' })).text,
+    ).toBe('Complete');
     const refused = after({ kind: 'closed', code: 'unauthorized', reason: '' });
     expect(emptyText(refused)).toBe('The server does not accept this access token.');
     expect(connectionText(refused).tone).toBe('bad');
   });
 
   it('does not call a scan complete whose frames were left out, and says why counts differ', () => {
-    const dropped: LiveScanEvent = { ...running, phase: 'finished', received: 160, processed: 68, dropped: 92 };
+    const dropped: LiveScanEvent = {
+      ...running,
+      phase: 'finished',
+      received: 160,
+      processed: 68,
+      dropped: 92,
+    };
     const scan = after(
       welcome,
       dropped,
@@ -164,8 +202,13 @@ describe('reduceLiveScan', () => {
     expect(leftOutText(scan)).toContain('92 of 160 frames');
     expect(leftOutText(after(welcome, { ...dropped, phase: 'running' }))).toBe('');
     expect(pointsText(scan)).toBe('Shown are 1,200 points, one for every 5 mm.');
-    const told = reduceLiveScan(scan, { kind: 'report', report: parseReport({ surfels: 3000, cloud_points: 2000 }) });
-    expect(pointsText(told)).toContain('The cloud to download has all 2,000. The map has 3,000 surfels');
+    const told = reduceLiveScan(scan, {
+      kind: 'report',
+      report: parseReport({ surfels: 3000, cloud_points: 2000 }),
+    });
+    expect(pointsText(told)).toContain(
+      'The cloud to download has all 2,000. The map has 3,000 surfels',
+    );
     expect(pointsText(after())).toBe('');
   });
 
@@ -202,10 +245,19 @@ describe('reduceLiveScan', () => {
     expect(emptyText(after(welcome, running, { kind: 'snapshotEnd' }))).toContain('first points');
     expect(
       emptyText(
-        after(welcome, running, { kind: 'snapshotEnd' }, { kind: 'content', points: 0, chunks: 0, triangles: 9, full: false, old: false }),
+        after(
+          welcome,
+          running,
+          { kind: 'snapshotEnd' },
+          { kind: 'content', points: 0, chunks: 0, triangles: 9, full: false, old: false },
+        ),
       ),
     ).toBeNull();
-    expect(emptyText(after(welcome, { ...running, phase: 'finished' }, { kind: 'snapshotEnd' }))).toBe('This scan has no points.');
-    expect(emptyText(after({ kind: 'waiting', retryIn_ms: 1, reason: 'cut' }))).toContain('cannot be reached');
+    expect(
+      emptyText(after(welcome, { ...running, phase: 'finished' }, { kind: 'snapshotEnd' })),
+    ).toBe('This scan has no points.');
+    expect(emptyText(after({ kind: 'waiting', retryIn_ms: 1, reason: 'cut' }))).toContain(
+      'cannot be reached',
+    );
   });
 });

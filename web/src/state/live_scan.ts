@@ -1,5 +1,13 @@
-// Everything that the panels say about one scan, as one value; points and poses themselves live in the scene.
-import type { FrameEvent, MapEventName, Pose, ScanEvent, ScanPhaseName, TrackingName } from '../connection/events';
+// Everything that the panels say about one scan, as one value; points and poses
+// themselves live in the scene.
+import type {
+  FrameEvent,
+  MapEventName,
+  Pose,
+  ScanEvent,
+  ScanPhaseName,
+  TrackingName,
+} from '../connection/events';
 import type { Report } from '../connection/scans';
 import { noMesh, type MeshState } from './mesh';
 import type { Followed } from './quality_text';
@@ -28,19 +36,26 @@ export interface LiveScan {
   readonly framesDropped: number;
   readonly tracking: 'none' | TrackingName;
   readonly trackingReason: string;
-  readonly lostFor_s: number | null; // since the last tracked frame, by the camera's clock; null before the first
-  readonly positionSigma_m: number | null; // of the newest frame; null while lost, or when the server does not say
+  // Since the last tracked frame, by the camera's clock; null before the first.
+  readonly lostFor_s: number | null;
+  // Of the newest frame; null while lost, or when the server does not say.
+  readonly positionSigma_m: number | null;
   readonly sequence: number | null; // of the newest frame; null before the first
   readonly timestamp_s: number; // the same
   readonly wayBack: WayBack | null; // while the camera is lost
-  readonly event: { readonly name: MapEventName; readonly correction_m: number; readonly timestamp_s: number } | null; // the newest one
+  readonly event: {
+    readonly name: MapEventName;
+    readonly correction_m: number;
+    readonly timestamp_s: number;
+  } | null; // the newest one
   readonly submaps: number;
   readonly parts: number; // of the map that are not joined
   readonly keyframes: number;
   readonly loops: number;
   readonly frame_ms: number;
   readonly surfels: number;
-  readonly cameraPosition_m: readonly [number, number, number] | null; // of the newest tracked frame, world
+  // Of the newest tracked frame, in the world.
+  readonly cameraPosition_m: readonly [number, number, number] | null;
   readonly poses: number; // camera positions known, those before this viewer came included
   readonly points: number;
   readonly chunks: number;
@@ -125,21 +140,21 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'connecting':
       return { ...state, connection: 'connecting', connectionText: '', snapshotComplete: false };
     case 'welcome':
+      return welcomed(state, event.title);
+    case 'waiting':
       return {
         ...state,
-        connection: 'open',
-        title: event.title,
-        poses: 0,
-        event: null,
-        sequence: null,
-        wayBack: null,
-        problem: null,
-        failedChunks: 0,
+        connection: 'waiting',
+        connectionText: event.reason,
+        retryIn_ms: event.retryIn_ms,
       };
-    case 'waiting':
-      return { ...state, connection: 'waiting', connectionText: event.reason, retryIn_ms: event.retryIn_ms };
     case 'closed':
-      return { ...state, connection: 'closed', connectionText: event.reason, problem: problemOf(state, event) };
+      return {
+        ...state,
+        connection: 'closed',
+        connectionText: event.reason,
+        problem: problemOf(state, event),
+      };
     case 'frame':
       return withFrame(state, event);
     case 'trajectory':
@@ -153,7 +168,14 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'snapshotEnd':
       return { ...state, snapshotComplete: true };
     case 'content':
-      return { ...state, points: event.points, chunks: event.chunks, triangles: event.triangles, full: event.full, old: event.old };
+      return {
+        ...state,
+        points: event.points,
+        chunks: event.chunks,
+        triangles: event.triangles,
+        full: event.full,
+        old: event.old,
+      };
     case 'mesh':
       return { ...state, mesh: event.mesh };
     case 'report':
@@ -163,12 +185,31 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'renamed':
       return { ...state, title: event.title };
     case 'submapPoses':
-      return { ...state, submaps: event.poses.length, parts: new Set(event.poses.map((pose) => pose.part)).size };
+      return {
+        ...state,
+        submaps: event.poses.length,
+        parts: new Set(event.poses.map((pose) => pose.part)).size,
+      };
     case 'meshChunk':
       return withConfidences(state, event.piece?.hasConfidences ?? state.surfaceHasConfidences);
     case 'chunk':
       return state; // the scene's business
   }
+}
+
+// When a connection begins, perhaps to a server that counts afresh.
+function welcomed(state: LiveScan, title: string): LiveScan {
+  return {
+    ...state,
+    connection: 'open',
+    title,
+    poses: 0,
+    event: null,
+    sequence: null,
+    wayBack: null,
+    problem: null,
+    failedChunks: 0,
+  };
 }
 
 function withFrame(state: LiveScan, frame: FrameEvent): LiveScan {
@@ -184,13 +225,17 @@ function withFrame(state: LiveScan, frame: FrameEvent): LiveScan {
     event: newestEvent(state, frame),
     frame_ms: frame.frame_ms,
     surfels: frame.surfelCount,
-    cameraPosition_m: frame.tracking !== 'lost' ? frame.worldFromCamera.translation : state.cameraPosition_m,
+    cameraPosition_m:
+      frame.tracking !== 'lost' ? frame.worldFromCamera.translation : state.cameraPosition_m,
     poses: state.poses + 1,
   };
 }
 
 // How far the server is with the scan.
-function withProgress(state: LiveScan, told: Extract<ScanEvent, { readonly kind: 'scanState' }>): LiveScan {
+function withProgress(
+  state: LiveScan,
+  told: Extract<ScanEvent, { readonly kind: 'scanState' }>,
+): LiveScan {
   return {
     ...state,
     phase: told.phase,
@@ -207,18 +252,24 @@ function withProgress(state: LiveScan, told: Extract<ScanEvent, { readonly kind:
 
 // The same object while nothing has changed: pieces come often.
 function withConfidences(state: LiveScan, surfaceHasConfidences: boolean | null): LiveScan {
-  return state.surfaceHasConfidences === surfaceHasConfidences ? state : { ...state, surfaceHasConfidences };
+  return state.surfaceHasConfidences === surfaceHasConfidences
+    ? state
+    : { ...state, surfaceHasConfidences };
 }
 
 // The same object while it is the same frame, though corrections may move it a little.
 function wayBackOf(before: WayBack | null, frame: FrameEvent): WayBack | null {
   if (frame.tracking !== 'lost' || !frame.lastTracked) return null;
   const { sequence } = frame.lastTracked;
-  return before?.sequence === sequence ? before : { sequence, worldFromCamera: frame.worldFromCamera };
+  return before?.sequence === sequence
+    ? before
+    : { sequence, worldFromCamera: frame.worldFromCamera };
 }
 
 function newestEvent(state: LiveScan, frame: FrameEvent): LiveScan['event'] {
-  return frame.event === 'none' ? state.event : { name: frame.event, correction_m: frame.correction_m, timestamp_s: frame.timestamp_s };
+  return frame.event === 'none'
+    ? state.event
+    : { name: frame.event, correction_m: frame.correction_m, timestamp_s: frame.timestamp_s };
 }
 
 function problemOf(state: LiveScan, closed: { code: string; reason: string }): LiveScan['problem'] {

@@ -1,6 +1,14 @@
 import { expect, test } from 'vitest';
 import type { KeptMeasurement, Measured } from '../connection/measurements';
-import { canClose, freeName, initialMeasuring, measuringText, reduceMeasuring, type Measuring, type MeasuringEvent } from './measuring';
+import {
+  canClose,
+  freeName,
+  initialMeasuring,
+  measuringText,
+  reduceMeasuring,
+  type Measuring,
+  type MeasuringEvent,
+} from './measuring';
 
 const measured: Measured = {
   kind: 'distance',
@@ -12,7 +20,8 @@ const measured: Measured = {
   words: '1.000 m ± 0.002 m (95 %)',
 };
 const kept: KeptMeasurement = { ...measured, id: 'a', name: 'Distance 1' };
-const after = (...events: MeasuringEvent[]): Measuring => events.reduce(reduceMeasuring, initialMeasuring);
+const after = (...events: MeasuringEvent[]): Measuring =>
+  events.reduce(reduceMeasuring, initialMeasuring);
 const begun = { kind: 'active', active: true } as const;
 const click = { kind: 'chosen', place: [0, 0, 1] } as const;
 const area = { kind: 'wanted', measure: 'area' } as const;
@@ -25,7 +34,11 @@ test('two clicks ask the server once, and a third waits for its answer', () => {
   expect(after(begun, click, click)).toMatchObject({ busy: true });
   expect(after(begun, click, click, click)).toEqual(after(begun, click, click));
   expect(after(begun, click, click, undo)).toEqual(after(begun, click, click));
-  expect(after(begun, click, click, { kind: 'measured', measured })).toMatchObject({ busy: false, points: [], newest: measured });
+  expect(after(begun, click, click, { kind: 'measured', measured })).toMatchObject({
+    busy: false,
+    points: [],
+    newest: measured,
+  });
 });
 
 test('a click beside everything leaves the first point', () => {
@@ -35,7 +48,10 @@ test('a click beside everything leaves the first point', () => {
 });
 
 test('an answer that comes after the tool was put away, or another kind chosen, is none', () => {
-  expect(after(begun, click, click, { kind: 'active', active: false }, { kind: 'measured', measured }).newest).toBeNull();
+  expect(
+    after(begun, click, click, { kind: 'active', active: false }, { kind: 'measured', measured })
+      .newest,
+  ).toBeNull();
   expect(after(begun, click, click, area, { kind: 'measured', measured }).newest).toBeNull();
 });
 
@@ -60,7 +76,9 @@ test('an outline is closed from three corners on, and corners are taken back one
   expect(after(begun, area, click, click, click, close)).toMatchObject({ busy: true });
   expect(after(begun, area, close)).toEqual(after(begun, area));
   expect(after(begun, click, close)).toEqual(after(begun, click)); // a distance has no outline
-  expect(after(begun, area, ...Array<MeasuringEvent>(64).fill(click))).toMatchObject({ busy: true }); // as many as the server takes
+  expect(after(begun, area, ...Array<MeasuringEvent>(64).fill(click))).toMatchObject({
+    busy: true,
+  }); // as many as the server takes
 });
 
 test('what is wrong is said of the point, and the corners of an area stay', () => {
@@ -80,7 +98,13 @@ test('what is wrong is said of the point, and the corners of an area stay', () =
 });
 
 test('what is kept is listed until it is removed', () => {
-  const state = after(begun, click, click, { kind: 'measured', measured }, { kind: 'kept', one: kept });
+  const state = after(
+    begun,
+    click,
+    click,
+    { kind: 'measured', measured },
+    { kind: 'kept', one: kept },
+  );
   expect(state).toMatchObject({ newest: null, kept: [kept] });
   expect(freeName(state.kept, 'distance')).toBe('Distance 2');
   expect(freeName([{ ...kept, name: 'Distance 2' }], 'distance')).toBe('Distance 3');

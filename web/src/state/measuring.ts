@@ -1,11 +1,13 @@
-// The tape measure of one page: what it measures, which points were chosen, what came of them, what is kept. Pure.
+// The tape measure of one page: what it measures, which points were chosen, what came of
+// them, what is kept. Pure.
 import type { KeptMeasurement, Measured, MeasureKind, Place } from '../connection/measurements';
 import { t } from '../texts/texts';
 
 export interface Measuring {
   readonly active: boolean; // clicks choose points
   readonly measure: MeasureKind;
-  readonly points: readonly Place[]; // that were chosen, while some are missing or the server is asked
+  // Those that were chosen, while some are missing or the server is asked.
+  readonly points: readonly Place[];
   readonly busy: boolean; // the server is asked
   readonly newest: Measured | null; // that is not kept
   readonly kept: readonly KeptMeasurement[];
@@ -66,14 +68,23 @@ export function reduceMeasuring(state: Measuring, event: MeasuringEvent): Measur
     case 'active':
       return { ...state, active: event.active, points: [], busy: false, newest: null, problem: '' };
     case 'wanted':
-      return { ...state, measure: event.measure, points: [], busy: false, newest: null, problem: '' };
+      return {
+        ...state,
+        measure: event.measure,
+        points: [],
+        busy: false,
+        newest: null,
+        problem: '',
+      };
     case 'chosen':
       return chosen(state, event.place);
     case 'undone':
       return state.busy ? state : { ...state, points: state.points.slice(0, -1), problem: '' };
     case 'closed':
       if (state.busy || state.measure !== 'area' || state.points.length === 0) return state;
-      return state.points.length < leastCorners ? { ...state, problem: t.anAreaHasThreeCornersOr } : { ...state, busy: true, problem: '' };
+      return state.points.length < leastCorners
+        ? { ...state, problem: t.anAreaHasThreeCornersOr }
+        : { ...state, busy: true, problem: '' };
     case 'measured':
       return state.busy ? { ...state, points: [], busy: false, newest: event.measured } : state;
     case 'listed':
@@ -97,7 +108,13 @@ function chosen(state: Measuring, place: Place | null): Measuring {
   if (state.busy) return state;
   if (!place) return { ...state, problem: t.thereIsNothingClickOnA };
   const points = [...state.points, place];
-  return { ...state, points, newest: null, problem: '', busy: points.length === (state.measure === 'area' ? mostCorners : 2) };
+  return {
+    ...state,
+    points,
+    newest: null,
+    problem: '',
+    busy: points.length === (state.measure === 'area' ? mostCorners : 2),
+  };
 }
 
 export function canClose({ measure, points, busy }: Measuring): boolean {

@@ -18,7 +18,12 @@ const mesh = (change: Partial<ScanExport>): ScanExport => ({
 });
 
 describe('mayHaveMesh', () => {
-  const whole: LiveScan = { ...initialLiveScan('a'), phase: 'finished', snapshotComplete: true, points: 1000 };
+  const whole: LiveScan = {
+    ...initialLiveScan('a'),
+    phase: 'finished',
+    snapshotComplete: true,
+    points: 1000,
+  };
   it('is of scans that have ended with points, when these are there', () => {
     expect(mayHaveMesh(whole)).toBe(true);
     expect(mayHaveMesh({ ...whole, phase: 'interrupted' })).toBe(true);
@@ -31,7 +36,9 @@ describe('mayHaveMesh', () => {
   it('is waited for only where one may come', () => {
     expect(isMeshSettled(whole)).toBe(false);
     expect(isMeshSettled({ ...whole, mesh: { state: 'loading', done: 0.5 } })).toBe(false);
-    expect(isMeshSettled({ ...whole, mesh: { state: 'shown', triangles: 1, textured: false } })).toBe(true);
+    expect(
+      isMeshSettled({ ...whole, mesh: { state: 'shown', triangles: 1, textured: false } }),
+    ).toBe(true);
     expect(isMeshSettled({ ...whole, mesh: { state: 'failed', message: 'too large' } })).toBe(true);
     expect(isMeshSettled({ ...whole, points: 0 })).toBe(true);
     expect(isMeshSettled({ ...whole, points: 0, snapshotComplete: false })).toBe(false);
@@ -43,7 +50,10 @@ describe('nextStep', () => {
   it('asks once for what nobody has made, and for what has failed before', () => {
     expect(nextStep(mesh({ state: 'missing' }), false)).toEqual({ step: 'ask' });
     expect(nextStep(mesh({ state: 'failed', words: 'too large' }), false)).toEqual({ step: 'ask' });
-    expect(nextStep(mesh({ state: 'failed', words: 'too large' }), true)).toEqual({ step: 'giveUp', message: 'too large' });
+    expect(nextStep(mesh({ state: 'failed', words: 'too large' }), true)).toEqual({
+      step: 'giveUp',
+      message: 'too large',
+    });
     expect(nextStep(mesh({ state: 'missing' }), true).step).toBe('giveUp');
   });
   it('waits while it is made and loads it then', () => {
@@ -52,8 +62,15 @@ describe('nextStep', () => {
       done: 0,
       message: 'the disk is full',
     });
-    expect(nextStep(mesh({ state: 'running', done: 0.4 }), false)).toEqual({ step: 'wait', done: 0.4, message: '' });
-    expect(nextStep(mesh({ state: 'ready', size_bytes: 7 }), false)).toEqual({ step: 'load', size_bytes: 7 });
+    expect(nextStep(mesh({ state: 'running', done: 0.4 }), false)).toEqual({
+      step: 'wait',
+      done: 0.4,
+      message: '',
+    });
+    expect(nextStep(mesh({ state: 'ready', size_bytes: 7 }), false)).toEqual({
+      step: 'load',
+      size_bytes: 7,
+    });
   });
   it('gives up with a server that knows no meshes', () => {
     expect(nextStep(undefined, false).step).toBe('giveUp');
@@ -63,8 +80,12 @@ describe('nextStep', () => {
 describe('meshText', () => {
   it('says what is waited for, and why there is nothing', () => {
     expect(meshText({ state: 'making', done: 0.456, message: '' }, true)).toContain('45 %');
-    expect(meshText({ state: 'making', done: 0, message: 'the disk is full' }, true)).toBe('The surface waits: the disk is full.');
-    expect(meshText({ state: 'failed', message: 'too few points' }, true)).toContain('too few points');
+    expect(meshText({ state: 'making', done: 0, message: 'the disk is full' }, true)).toBe(
+      'The surface waits: the disk is full.',
+    );
+    expect(meshText({ state: 'failed', message: 'too few points' }, true)).toContain(
+      'too few points',
+    );
   });
   it('is quiet when the surface is there, or nobody wants it', () => {
     expect(meshText({ state: 'shown', triangles: 1, textured: false }, true)).toBe('');
@@ -75,7 +96,10 @@ describe('meshText', () => {
 
 describe('the state of a scan', () => {
   it('keeps what there is of its surface', () => {
-    const state = reduceLiveScan(initialLiveScan('a'), { kind: 'mesh', mesh: { state: 'loading', done: 0.5 } });
+    const state = reduceLiveScan(initialLiveScan('a'), {
+      kind: 'mesh',
+      mesh: { state: 'loading', done: 0.5 },
+    });
     expect(state.mesh).toEqual({ state: 'loading', done: 0.5 });
   });
 });

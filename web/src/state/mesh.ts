@@ -18,9 +18,14 @@ export function mayHaveMesh(scan: LiveScan): boolean {
   return ended && scan.snapshotComplete && scan.points > 0;
 }
 
-// Whether nothing more comes of a scan that has ended: its surface is there, there is none, or, as of one that has failed, nobody makes one.
+// Whether nothing more comes of a scan that has ended: its surface is there, there is none, or, as
+// of one that has failed, nobody makes one.
 export function isMeshSettled(scan: LiveScan): boolean {
-  return scan.mesh.state === 'shown' || scan.mesh.state === 'failed' || (scan.snapshotComplete && !mayHaveMesh(scan));
+  return (
+    scan.mesh.state === 'shown' ||
+    scan.mesh.state === 'failed' ||
+    (scan.snapshotComplete && !mayHaveMesh(scan))
+  );
 }
 
 export type MeshStep =
@@ -29,7 +34,8 @@ export type MeshStep =
   | { readonly step: 'load'; readonly size_bytes: number }
   | { readonly step: 'giveUp'; readonly message: string };
 
-// One that has failed is asked for again when somebody opens the scan once more, not by the same page for ever.
+// One that has failed is asked for again when somebody opens the scan once more, not
+// by the same page for ever.
 export function nextStep(mesh: ScanExport | undefined, asked: boolean): MeshStep {
   if (!mesh) return { step: 'giveUp', message: t.thisServerMakesNoSurfaces };
   switch (mesh.state) {

@@ -16,7 +16,8 @@ test('areas and the ground plan follow from the triangles', () => {
   expect(figures.area_m2).toBeCloseTo(3);
   expect(figures.plan_m2).toBeCloseTo(2, 1);
   const facing = figuresOf([{ positions_m, index: [0, 2, 1, 0, 3, 2] }], axes, extent, 0);
-  expect([figures.floorShare, facing.floorShare].sort()).toEqual([0, 1]); // from one side it is a floor
+  // From one side it is a floor.
+  expect([figures.floorShare, facing.floorShare].sort()).toEqual([0, 1]);
   expect(figuresOf([{ positions_m, index }], axes, extent, null).floorShare).toBeNull();
 });
 
@@ -28,12 +29,21 @@ test('stray points are no extent', () => {
 
 test('of a surface its area counts, not its vertices', () => {
   // A wall of two triangles, 4 m long, and beside its beginning a vase of a thousand small ones.
-  const wall = { positions_m: Float32Array.of(0, 0, 0, 4, 0, 0, 4, -2, 0, 0, -2, 0), index: [0, 1, 2, 0, 2, 3] };
-  const vase = { positions_m: Float32Array.of(0, 0, 0, 0.01, 0, 0, 0, -0.01, 0), index: Array.from({ length: 3000 }, (_, i) => i % 3) };
+  const wall = {
+    positions_m: Float32Array.of(0, 0, 0, 4, 0, 0, 4, -2, 0, 0, -2, 0),
+    index: [0, 1, 2, 0, 2, 3],
+  };
+  const vase = {
+    positions_m: Float32Array.of(0, 0, 0, 0.01, 0, 0, 0, -0.01, 0),
+    index: Array.from({ length: 3000 }, (_, i) => i % 3),
+  };
   const weighed = weighedByArea([wall, vase]);
   expect(extentOf(weighed, axes, 0.005)!.high_m[0]).toBeCloseTo(4);
   expect(extentOf({ ...weighed, weights: null }, axes, 0.005)!.high_m[0]).toBeCloseTo(0.01);
-  const stray = { positions_m: Float32Array.of(50, 0, 0, 50.1, 0, 0, 50, -0.1, 0), index: [0, 1, 2] };
+  const stray = {
+    positions_m: Float32Array.of(50, 0, 0, 50.1, 0, 0, 50, -0.1, 0),
+    index: [0, 1, 2],
+  };
   expect(extentOf(weighedByArea([wall, stray]), axes, 0.005)!.high_m[0]).toBeCloseTo(4);
 });
 

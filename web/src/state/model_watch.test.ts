@@ -1,6 +1,12 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { Axes } from './axes';
-import { initialCutting, reduceCutting, type Cutting, type CuttingEvent, type Model } from './cutting';
+import {
+  initialCutting,
+  reduceCutting,
+  type Cutting,
+  type CuttingEvent,
+  type Model,
+} from './cutting';
 import { initialLiveScan, type LiveScan } from './live_scan';
 import { ModelWatch } from './model_watch';
 import { createStore } from './store';

@@ -1,4 +1,5 @@
-// Keeps the extents of the model, within which the clip box and the section plane stand, those of what is seen.
+// Keeps the extents of the model, within which the clip box and the section plane
+// stand, those of what is seen.
 import type { ScanScene } from '../scene/scene';
 import type { Cutting, CuttingEvent, Model } from './cutting';
 import type { LiveScan } from './live_scan';
@@ -20,7 +21,8 @@ export class ModelWatch {
   measure(): Model | null {
     const { axes, clip, section } = this.store.get();
     this.measured_ms = performance.now();
-    return this.scene.measureModel(clip || section ? axes : null); // what is in use stands along the old ones
+    // A clip box or a section that is in use stands along the old axes.
+    return this.scene.measureModel(clip || section ? axes : null);
   }
 
   remeasure(): void {
@@ -34,7 +36,10 @@ export class ModelWatch {
     const { surface } = this.scene;
     const isOther = surface !== this.surface;
     this.surface = surface;
-    const isDue = isOther || (isThereAModel(scan) && !model) || performance.now() - this.measured_ms > measureEvery_ms;
+    const isDue =
+      isOther ||
+      (isThereAModel(scan) && !model) ||
+      performance.now() - this.measured_ms > measureEvery_ms;
     if (isDue && (active || clip || section)) this.remeasure();
   }
 }

@@ -1,4 +1,5 @@
-// What somebody writes and has not saved, kept in this tab by scan: it is there again after a reload, and when one comes back to the scan.
+// What somebody writes and has not saved, kept in this tab by scan: it is there again after a
+// reload, and when one comes back to the scan.
 import { isRecord, textOf } from '../connection/api';
 import { placeOf } from '../connection/measurements';
 import { parseNote, viewOf } from '../connection/notes';
@@ -17,12 +18,18 @@ export function storedDraft(storage: Reading, scanId: string): Draft | null {
 }
 
 // A draft without text of its own is not kept.
-export function storeDraft(storage: Reading & Pick<Storage, 'setItem'>, scanId: string, draft: Draft | null): void {
+export function storeDraft(
+  storage: Reading & Pick<Storage, 'setItem'>,
+  scanId: string,
+  draft: Draft | null,
+): void {
   const rows = rowsOf(storage);
   const others = rows.filter(([id]) => id !== scanId);
   const unsaved = draft && isUnsaved(draft) ? draft : null;
   if (!unsaved && others.length === rows.length) return;
-  const all: Row[] = unsaved ? [...others, [scanId, { ...unsaved, text: unsaved.text.slice(0, most_chars), theirs: null }]] : others;
+  const all: Row[] = unsaved
+    ? [...others, [scanId, { ...unsaved, text: unsaved.text.slice(0, most_chars), theirs: null }]]
+    : others;
   try {
     storage.setItem(storedAs, JSON.stringify(all.slice(-kept_count)));
   } catch {
@@ -33,7 +40,9 @@ export function storeDraft(storage: Reading & Pick<Storage, 'setItem'>, scanId: 
 function rowsOf(storage: Reading): Row[] {
   try {
     const json: unknown = JSON.parse(storage.getItem(storedAs) ?? '[]');
-    return Array.isArray(json) ? json.filter((row): row is Row => Array.isArray(row) && typeof row[0] === 'string') : [];
+    return Array.isArray(json)
+      ? json.filter((row): row is Row => Array.isArray(row) && typeof row[0] === 'string')
+      : [];
   } catch {
     return [];
   }

@@ -10,5 +10,6 @@ test('the chosen note is a field of the address', () => {
 });
 
 test('what is no id is no note', () => {
-  for (const query of ['', 'note=', 'note=../shares', `note=${id}a`, `note=${id.toUpperCase()}`]) expect(readNote(query)).toBeNull();
+  for (const query of ['', 'note=', 'note=../shares', `note=${id}a`, `note=${id.toUpperCase()}`])
+    expect(readNote(query)).toBeNull();
 });

@@ -13,17 +13,29 @@ function world() {
   const answers: ((note: Note | Error) => void)[] = [];
   const asked = (text: string): Promise<Note> => {
     sent.push(text);
-    return new Promise((resolve, reject) => answers.push((answer) => (answer instanceof Error ? reject(answer) : resolve(answer))));
+    return new Promise((resolve, reject) =>
+      answers.push((answer) => (answer instanceof Error ? reject(answer) : resolve(answer))),
+    );
   };
   const server: NoteServer = {
     create: ({ text }: NewNote) => asked(text),
     change: (_, text) => asked(text).then((changed) => ({ kind: 'done', note: changed })),
   };
-  const store = createStore<Noting, NotingEvent>({ ...initialNoting, active: true, mayWrite: true }, reduceNoting);
+  const store = createStore<Noting, NotingEvent>(
+    { ...initialNoting, active: true, mayWrite: true },
+    reduceNoting,
+  );
   return { sent, answers, server, store };
 }
 
-const note: Note = { id: 'a', position_m: [4, 5, 6], view, text: 'a crack', version: 1, changed: null };
+const note: Note = {
+  id: 'a',
+  position_m: [4, 5, 6],
+  view,
+  text: 'a crack',
+  version: 1,
+  changed: null,
+};
 const settled = (): Promise<void> => new Promise((resolve) => setTimeout(resolve));
 
 test('a note that is saved twice is written once, and what is begun afterwards stays', async () => {
@@ -41,7 +53,7 @@ test('a note that is saved twice is written once, and what is begun afterwards s
   expect(store.get().draft?.text).toBe('another');
 });
 
-test('a change that is saved twice is sent once, and one that has failed can be saved again', async () => {
+test('a change that is saved twice is sent once, and a failed one can be saved again', async () => {
   const { sent, answers, server, store } = world();
   for (const event of [
     { kind: 'listed', notes: [note] },
@@ -53,7 +65,11 @@ test('a change that is saved twice is sent once, and one that has failed can be 
   for (let i = 0; i < 2; ++i) saveDraft(store, server);
   answers[0]!(new Error('lost'));
   await settled();
-  expect(store.get()).toMatchObject({ busy: false, problem: 'That did not work.', draft: { text: 'mine' } });
+  expect(store.get()).toMatchObject({
+    busy: false,
+    problem: 'That did not work.',
+    draft: { text: 'mine' },
+  });
   saveDraft(store, server);
   expect(sent).toEqual(['mine', 'mine']);
 });

@@ -10,14 +10,18 @@ export interface NoteServer {
 }
 
 // Nothing happens while an earlier saving is on its way.
-export function saveDraft(store: Pick<Store<Noting, NotingEvent>, 'get' | 'dispatch'>, server: NoteServer): void {
+export function saveDraft(
+  store: Pick<Store<Noting, NotingEvent>, 'get' | 'dispatch'>,
+  server: NoteServer,
+): void {
   if (store.get().busy) return;
   store.dispatch({ kind: 'saving' });
   const { draft, busy } = store.get();
   if (!draft || !busy) return; // the text is none that can be saved
   const text = cleaned(draft.text);
   const saved = (note: Note): void => store.dispatch({ kind: 'saved', note });
-  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', message: errorText(error) });
+  const fail = (error: unknown): void =>
+    store.dispatch({ kind: 'failed', message: errorText(error) });
   if (!draft.of) {
     server.create({ position_m: draft.position_m, view: draft.view, text }).then(saved, fail);
     return;

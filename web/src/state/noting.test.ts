@@ -1,36 +1,62 @@
 import { expect, test } from 'vitest';
 import type { Note, NoteView } from '../connection/notes';
-import { chosenNote, cleaned, heldText, initialNoting, isUnsaved, notingText, reduceNoting, shownNotes, textProblem } from './noting';
+import {
+  chosenNote,
+  cleaned,
+  heldText,
+  initialNoting,
+  isUnsaved,
+  notingText,
+  reduceNoting,
+  shownNotes,
+  textProblem,
+} from './noting';
 import type { Noting, NotingEvent } from './noting';
 
 const view: NoteView = { position_m: [0, 0, -1], target_m: [0, 0, 1] };
-const note = (id: string, text = `text of ${id}`, version = 1): Note => ({ id, position_m: [1, 2, 3], view, text, version, changed: null });
+const note = (id: string, text = `text of ${id}`, version = 1): Note => ({
+  id,
+  position_m: [1, 2, 3],
+  view,
+  text,
+  version,
+  changed: null,
+});
 const after = (...events: NotingEvent[]): Noting => events.reduce(reduceNoting, initialNoting);
 const list = { kind: 'listed', notes: [note('a'), note('b')] } as const;
 const open = [{ kind: 'access', mayWrite: true }, { kind: 'active', active: true }, list] as const;
 const click = { kind: 'placed', position_m: [4, 5, 6], view } as const;
 const typed = (text: string) => ({ kind: 'typed', text }) as const;
 const saving = { kind: 'saving' } as const;
-const editing = [...open, { kind: 'chosen', id: 'a' }, { kind: 'edited' }, typed('mine'), saving] as const;
+const editing = [
+  ...open,
+  { kind: 'chosen', id: 'a' },
+  { kind: 'edited' },
+  typed('mine'),
+  saving,
+] as const;
 const conflict = { kind: 'conflict', now: note('a', 'theirs', 5) } as const;
 
 test('a click puts a pin, another one moves it, and the saved note is chosen', () => {
   expect(after(...open, click).draft).toMatchObject({ of: null, position_m: [4, 5, 6], text: '' });
   const moved = after(...open, click, typed('a crack'), { ...click, position_m: [7, 8, 9] });
   expect(moved.draft).toMatchObject({ position_m: [7, 8, 9], text: 'a crack' });
-  const state = [saving, { kind: 'saved', note: note('c') } as const].reduce<Noting>(reduceNoting, moved);
+  const state = [saving, { kind: 'saved', note: note('c') } as const].reduce<Noting>(
+    reduceNoting,
+    moved,
+  );
   expect(state).toMatchObject({ draft: null, busy: false, chosen: 'c' });
   expect(state.notes.map(({ id }) => id)).toEqual(['a', 'b', 'c']);
 });
 
-test('a click beside everything says so, and none does anything for who may only look or while it is closed', () => {
+test('a click beside everything says so; none counts while closed or if one may only look', () => {
   expect(notingText(after(...open, { ...click, position_m: null }))).toContain('nothing');
   expect(after(...open, { kind: 'access', mayWrite: false }, click).draft).toBeNull();
   expect(after(...open, { kind: 'active', active: false }, click).draft).toBeNull();
   expect(notingText(after({ kind: 'active', active: true }))).toBe('There are no notes.');
 });
 
-test('what is written stays when the list comes again, when the panel is closed, and when it could not be saved', () => {
+test('what is written survives a new list, a closed panel and a failed saving', () => {
   const again = [
     { kind: 'listed', notes: [note('b')] },
     { kind: 'active', active: false },
@@ -38,7 +64,10 @@ test('what is written stays when the list comes again, when the panel is closed,
   ] as const;
   const state = after(...open, click, typed('a crack'), ...again);
   expect(state.draft?.text).toBe('a crack');
-  const failed = [saving, { kind: 'failed', message: 'No.' } as const].reduce<Noting>(reduceNoting, state);
+  const failed = [saving, { kind: 'failed', message: 'No.' } as const].reduce<Noting>(
+    reduceNoting,
+    state,
+  );
   expect(failed).toMatchObject({ busy: false, problem: 'No.', draft: { text: 'a crack' } });
 });
 
@@ -47,7 +76,7 @@ test('the same list again is the same state', () => {
   expect(reduceNoting(state, { kind: 'listed', notes: [note('a'), note('b')] })).toBe(state);
 });
 
-test('what goes wrong beside a saving does not end it, and a list that comes again is no problem any more', () => {
+test('what goes wrong beside a saving does not end it, and a new list ends the problem', () => {
   const state = after(
     ...open,
     click,
@@ -69,7 +98,10 @@ test('a chosen note that is not there any more is said to be so', () => {
 });
 
 test('nothing empty and nothing too long is sent', () => {
-  expect(after(...open, click, saving)).toMatchObject({ busy: false, problem: 'A note has at least one letter.' });
+  expect(after(...open, click, saving)).toMatchObject({
+    busy: false,
+    problem: 'A note has at least one letter.',
+  });
   expect(textProblem('🧱'.repeat(500))).toBe('');
   expect(textProblem('🧱'.repeat(501))).toBe('This has 2004 bytes, allowed are 2000.');
   expect(after(...open, click, typed('a'), saving)).toMatchObject({ busy: true });
@@ -86,14 +118,25 @@ test('two texts of one note are both there until one has chosen', () => {
   expect(notingText(state)).toContain('Somebody has changed this note');
   expect(chosenNote(state)?.text).toBe('theirs');
   expect(reduceNoting(state, { kind: 'resolved', keep: 'theirs' }).draft).toBeNull();
-  expect(reduceNoting(state, { kind: 'resolved', keep: 'mine' }).draft).toMatchObject({ of: { version: 5 }, text: 'mine', theirs: null });
+  expect(reduceNoting(state, { kind: 'resolved', keep: 'mine' }).draft).toMatchObject({
+    of: { version: 5 },
+    text: 'mine',
+    theirs: null,
+  });
   const both = reduceNoting(state, { kind: 'resolved', keep: 'both' });
   expect(both.draft).toMatchObject({ of: { version: 5 }, text: 'theirs\n\nmine', theirs: null });
 });
 
 test('two texts that are too long for one note become two', () => {
   const long = 'm'.repeat(1996);
-  const written = after(...open, { kind: 'chosen', id: 'a' }, { kind: 'edited' }, typed(long), saving, conflict);
+  const written = after(
+    ...open,
+    { kind: 'chosen', id: 'a' },
+    { kind: 'edited' },
+    typed(long),
+    saving,
+    conflict,
+  );
   const state = reduceNoting(written, { kind: 'resolved', keep: 'both' });
   expect(state.draft).toMatchObject({ of: null, position_m: [1, 2, 3], text: long, theirs: null });
 });
@@ -119,7 +162,13 @@ test('a note that was removed a moment ago is not seen, and comes back', () => {
 });
 
 test('a click does not take a text away that is changed', () => {
-  const state = after(...open, { kind: 'chosen', id: 'a' }, { kind: 'edited' }, typed('mine'), click);
+  const state = after(
+    ...open,
+    { kind: 'chosen', id: 'a' },
+    { kind: 'edited' },
+    typed('mine'),
+    click,
+  );
   expect(state.draft).toMatchObject({ of: { id: 'a' }, text: 'mine' });
   expect(isUnsaved(state.draft)).toBe(true);
   expect(isUnsaved(after(...open, click).draft)).toBe(false);
@@ -129,11 +178,22 @@ test('what was saved without an answer is no draft any more once it is in the li
   const lost = [saving, { kind: 'failed', message: 'The server cannot be reached.' }] as const;
   const fresh: Note = { ...note('c', 'a crack'), position_m: [4, 5, 6] };
   const state = after(...open, click, typed('a crack '), ...lost);
-  expect(reduceNoting(state, { kind: 'listed', notes: [...list.notes, fresh] })).toMatchObject({ draft: null, chosen: 'c', problem: '' });
-  expect(reduceNoting(state, { kind: 'listed', notes: [{ ...fresh, position_m: [4, 5, 6.1] }] }).draft).not.toBeNull();
-  const changed = reduceNoting(after(...editing, lost[1]), { kind: 'listed', notes: [note('a', 'mine', 2)] });
+  expect(reduceNoting(state, { kind: 'listed', notes: [...list.notes, fresh] })).toMatchObject({
+    draft: null,
+    chosen: 'c',
+    problem: '',
+  });
+  expect(
+    reduceNoting(state, { kind: 'listed', notes: [{ ...fresh, position_m: [4, 5, 6.1] }] }).draft,
+  ).not.toBeNull();
+  const changed = reduceNoting(after(...editing, lost[1]), {
+    kind: 'listed',
+    notes: [note('a', 'mine', 2)],
+  });
   expect(changed).toMatchObject({ draft: null, chosen: 'a' });
-  expect(after(...open, { kind: 'chosen', id: 'a' }, { kind: 'edited' }, list).draft).not.toBeNull();
+  expect(
+    after(...open, { kind: 'chosen', id: 'a' }, { kind: 'edited' }, list).draft,
+  ).not.toBeNull();
 });
 
 test('while there are two texts, that question is repeated, and nothing is saved', () => {
@@ -141,6 +201,8 @@ test('while there are two texts, that question is repeated, and nothing is saved
   expect(heldText(state.draft)).toContain('Which text is to stay?');
   expect(notingText(reduceNoting(state, click))).toContain('Which text is to stay?');
   expect(reduceNoting(state, saving)).toBe(state);
-  expect(heldText(after(...open, click, typed('a crack')).draft)).toContain('Save the note, or cancel');
+  expect(heldText(after(...open, click, typed('a crack')).draft)).toContain(
+    'Save the note, or cancel',
+  );
   expect([heldText(null), heldText(after(...open, click).draft)]).toEqual(['', '']);
 });

@@ -41,7 +41,8 @@ export type NotingEvent =
   | { readonly kind: 'listed'; readonly notes: readonly Note[] }
   | { readonly kind: 'away'; readonly ids: readonly string[] }
   | { readonly kind: 'chosen'; readonly id: string | null }
-  | { readonly kind: 'placed'; readonly position_m: Place | null; readonly view: NoteView } // a click on the model; null: nothing was there
+  // A click on the model; null: nothing was there.
+  | { readonly kind: 'placed'; readonly position_m: Place | null; readonly view: NoteView }
   | { readonly kind: 'edited' } // the chosen one is to be changed
   | { readonly kind: 'typed'; readonly text: string }
   | { readonly kind: 'cancelled' }
@@ -62,13 +63,22 @@ const mostText_bytes = 2000; // the server takes no more
 export function reduceNoting(state: Noting, event: NotingEvent): Noting {
   switch (event.kind) {
     case 'active':
-      return { ...state, active: event.active, chosen: event.active ? state.chosen : null, problem: '' };
+      return {
+        ...state,
+        active: event.active,
+        chosen: event.active ? state.chosen : null,
+        problem: '',
+      };
     case 'access':
       return { ...state, mayWrite: event.mayWrite };
     case 'listed':
       return listed(state, event.notes);
     case 'away':
-      return { ...state, away: event.ids, chosen: event.ids.includes(state.chosen ?? '') ? null : state.chosen };
+      return {
+        ...state,
+        away: event.ids,
+        chosen: event.ids.includes(state.chosen ?? '') ? null : state.chosen,
+      };
     case 'chosen':
       return { ...state, chosen: event.id, problem: '' };
     case 'placed':
@@ -76,13 +86,22 @@ export function reduceNoting(state: Noting, event: NotingEvent): Noting {
     case 'edited':
       return edited(state);
     case 'typed':
-      return state.draft ? { ...state, draft: { ...state.draft, text: event.text }, problem: '' } : state;
+      return state.draft
+        ? { ...state, draft: { ...state.draft, text: event.text }, problem: '' }
+        : state;
     case 'cancelled':
       return state.busy ? state : { ...state, draft: null, problem: '' };
     case 'saving':
       return saving(state);
     case 'saved':
-      return { ...state, notes: withNote(state.notes, event.note), chosen: event.note.id, draft: null, busy: false, problem: '' };
+      return {
+        ...state,
+        notes: withNote(state.notes, event.note),
+        chosen: event.note.id,
+        draft: null,
+        busy: false,
+        problem: '',
+      };
     case 'failed':
       return { ...state, busy: false, problem: event.message };
     case 'refused':
@@ -95,24 +114,53 @@ export function reduceNoting(state: Noting, event: NotingEvent): Noting {
 }
 
 // What comes of a note that somebody else has changed or removed while it was changed here.
-function collided(state: Noting, event: NotingEvent & { readonly kind: 'conflict' | 'gone' | 'resolved' }): Noting {
+function collided(
+  state: Noting,
+  event: NotingEvent & { readonly kind: 'conflict' | 'gone' | 'resolved' },
+): Noting {
   const { draft, notes } = state;
   if (!draft?.of) return state;
   if (event.kind === 'conflict')
-    return { ...state, notes: withNote(notes, event.now), draft: { ...draft, theirs: event.now }, busy: false, problem: '' };
-  if (event.kind === 'resolved') return draft.theirs ? resolved(state, { ...draft, theirs: draft.theirs }, event.keep) : state;
+    return {
+      ...state,
+      notes: withNote(notes, event.now),
+      draft: { ...draft, theirs: event.now },
+      busy: false,
+      problem: '',
+    };
+  if (event.kind === 'resolved')
+    return draft.theirs ? resolved(state, { ...draft, theirs: draft.theirs }, event.keep) : state;
   const problem = t.somebodyHasRemovedThisNoteMeanwhile;
   const others = notes.filter(({ id }) => id !== draft.of?.id);
-  return { ...state, notes: others, chosen: null, draft: { ...draft, of: null, theirs: null }, busy: false, problem };
+  return {
+    ...state,
+    notes: others,
+    chosen: null,
+    draft: { ...draft, of: null, theirs: null },
+    busy: false,
+    problem,
+  };
 }
 
 // Both texts are one note if there is room for them, else two.
-function resolved(state: Noting, draft: Draft & { readonly theirs: Note }, keep: 'mine' | 'theirs' | 'both'): Noting {
+function resolved(
+  state: Noting,
+  draft: Draft & { readonly theirs: Note },
+  keep: 'mine' | 'theirs' | 'both',
+): Noting {
   if (keep === 'theirs') return { ...state, draft: null, problem: '' };
   if (keep === 'mine') return { ...state, draft: { ...draft, of: draft.theirs, theirs: null } };
   const text = `${draft.theirs.text}\n\n${cleaned(draft.text)}`;
   const fits = bytesOf(text) <= mostText_bytes;
-  return { ...state, draft: { ...draft, of: fits ? draft.theirs : null, text: fits ? text : draft.text, theirs: null } };
+  return {
+    ...state,
+    draft: {
+      ...draft,
+      of: fits ? draft.theirs : null,
+      text: fits ? text : draft.text,
+      theirs: null,
+    },
+  };
 }
 
 // The same again changes nothing, so that the page need not show it again.
@@ -128,22 +176,40 @@ function listed(state: Noting, notes: readonly Note[]): Noting {
 
 // Whether the draft was saved after all: its answer was lost, or the page was left before it came.
 function isWritten(draft: Draft | null, note: Note): boolean {
-  if (!draft || draft.theirs || !isUnsaved(draft) || cleaned(draft.text) !== note.text) return false;
+  if (!draft || draft.theirs || !isUnsaved(draft) || cleaned(draft.text) !== note.text)
+    return false;
   if (draft.of) return draft.of.id === note.id;
-  return draft.position_m.every((value, axis) => Math.abs(value - note.position_m[axis]!) < samePlace_m);
+  return draft.position_m.every(
+    (value, axis) => Math.abs(value - note.position_m[axis]!) < samePlace_m,
+  );
 }
 
 function placed(state: Noting, position_m: Place | null, view: NoteView): Noting {
   if (!state.active || !state.mayWrite || state.busy) return state;
   if (!position_m) return { ...state, problem: t.thereIsNothingClickOnA };
   if (state.draft?.of) return { ...state, problem: heldText(state.draft) || unsavedText };
-  return { ...state, chosen: null, draft: { of: null, position_m, view, text: state.draft?.text ?? '', theirs: null }, problem: '' };
+  return {
+    ...state,
+    chosen: null,
+    draft: { of: null, position_m, view, text: state.draft?.text ?? '', theirs: null },
+    problem: '',
+  };
 }
 
 function edited(state: Noting): Noting {
   const note = chosenNote(state);
   if (!note || !state.mayWrite || state.draft) return state;
-  return { ...state, draft: { of: note, position_m: note.position_m, view: note.view, text: note.text, theirs: null }, problem: '' };
+  return {
+    ...state,
+    draft: {
+      of: note,
+      position_m: note.position_m,
+      view: note.view,
+      text: note.text,
+      theirs: null,
+    },
+    problem: '',
+  };
 }
 
 function saving(state: Noting): Noting {
@@ -153,7 +219,9 @@ function saving(state: Noting): Noting {
 }
 
 function withNote(notes: readonly Note[], note: Note): readonly Note[] {
-  return notes.some(({ id }) => id === note.id) ? notes.map((one) => (one.id === note.id ? note : one)) : [...notes, note];
+  return notes.some(({ id }) => id === note.id)
+    ? notes.map((one) => (one.id === note.id ? note : one))
+    : [...notes, note];
 }
 
 // Those that are to be seen; their numbers count from 1.
@@ -176,7 +244,8 @@ export function heldText(draft: Draft | null): string {
   return isUnsaved(draft) ? unsavedText : '';
 }
 
-// As the server takes it: line breaks are the only control characters, and there is no half of a character.
+// As the server takes it: line breaks are the only control characters, and there
+// is no half of a character.
 export function cleaned(text: string): string {
   return text
     .replace(/\r\n?/g, '\n')

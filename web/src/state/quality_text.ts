@@ -1,9 +1,17 @@
-// How well a scan went, in sentences: from what its report and the list of its frames say, and nothing beyond. Pure functions.
+// How well a scan went, in sentences: from what its report and the list of its frames say, and
+// nothing beyond. Pure functions.
 import type { DepthImage, DepthRange, FrameList } from '../connection/frames';
 import type { Report } from '../connection/scans';
 import { decimal, t } from '../texts/texts';
 import { durationText, roundedUpText } from './quantities';
-import { countsOf, doubtsIn, stretchesOf, type Doubt, type FrameCounts, type Stretch } from './stretches';
+import {
+  countsOf,
+  doubtsIn,
+  stretchesOf,
+  type Doubt,
+  type FrameCounts,
+  type Stretch,
+} from './stretches';
 import { count, framesNumber, sentence } from './text';
 
 export interface Followed {
@@ -17,7 +25,8 @@ export interface Followed {
   readonly expectedPathError_m: number | null; // null: the report does not say
   readonly calibrationDoubt: string;
   readonly cameraCorrection: string;
-  readonly unread: string; // why the scan's report could not be loaded, a sentence; empty when it was, or there is none
+  // Why the scan's report could not be loaded, a sentence; empty when it was, or there is none.
+  readonly unread: string;
 }
 
 // `report`: null when the scan has none. `unread`: it may have one, but that could not be loaded.
@@ -25,9 +34,14 @@ export function followedOf(report: Report | null, list: FrameList | null, unread
   const counts = list && countsOf(list.statuses);
   const stretches = list && stretchesOf(list);
   // A list whose frames are unknown says less than the report, which has sums.
-  const listed = counts && counts.unknown === 0 && counts.tracked + counts.weak + counts.lost > 0 ? counts : null;
+  const listed =
+    counts && counts.unknown === 0 && counts.tracked + counts.weak + counts.lost > 0
+      ? counts
+      : null;
   return {
-    frames: report?.frames ?? (counts ? counts.tracked + counts.weak + counts.lost + counts.unknown : null),
+    frames:
+      report?.frames ??
+      (counts ? counts.tracked + counts.weak + counts.lost + counts.unknown : null),
     tracked: report?.trackedFrames ?? (listed ? listed.tracked + listed.weak : null),
     weak: report?.weakFrames ?? listed?.weak ?? null,
     counts,
@@ -53,16 +67,22 @@ export function qualityText(followed: Followed, said = ''): string {
     unusedText(followed.counts),
     unreadText(followed),
     parts > 1 && !saysParts.test(said) ? t.theModelIsInParts(count(parts)) : '',
-    ...[calibrationDoubt, cameraCorrection].filter((part) => part !== '' && !said.includes(part)).map(sentence),
+    ...[calibrationDoubt, cameraCorrection]
+      .filter((part) => part !== '' && !said.includes(part))
+      .map(sentence),
   ]
     .filter((part) => part !== '')
     .join(' ');
 }
 
 function followedText({ frames, tracked, weak, doubts, unread }: Followed): string {
-  if (frames === null || tracked === null) return unread !== '' ? '' : t.howWellTheCameraWasFollowed;
+  if (frames === null || tracked === null)
+    return unread !== '' ? '' : t.howWellTheCameraWasFollowed;
   if (frames === 0) return t.noFrameWasProcessed;
-  if (tracked === 0) return frames === 1 ? t.theCameraCouldNotBeFollowedInTheOnly : t.theCameraCouldNotBeFollowedInAny(count(frames));
+  if (tracked === 0)
+    return frames === 1
+      ? t.theCameraCouldNotBeFollowedInTheOnly
+      : t.theCameraCouldNotBeFollowedInAny(count(frames));
   const followed =
     tracked < frames
       ? t.theCameraWasFollowedInOf(count(tracked), count(frames))
@@ -76,22 +96,33 @@ function followedText({ frames, tracked, weak, doubts, unread }: Followed): stri
 // Behind how many frames were followed.
 function weakText(weak: number, doubts: readonly Doubt[] | null): string {
   const long_s = sumOf(doubts, ({ weak_s }) => weak_s);
-  if (weak === 1) return long_s > 0 ? t.oneOfThemIsDoubtfulFor(durationText(long_s)) : t.oneOfThemIsDoubtful;
-  return long_s > 0 ? t.ofThemAreDoubtfulFor(count(weak), durationText(long_s)) : t.ofThemAreDoubtful(count(weak));
+  if (weak === 1)
+    return long_s > 0 ? t.oneOfThemIsDoubtfulFor(durationText(long_s)) : t.oneOfThemIsDoubtful;
+  return long_s > 0
+    ? t.ofThemAreDoubtfulFor(count(weak), durationText(long_s))
+    : t.ofThemAreDoubtful(count(weak));
 }
 
 function lostText({ frames, tracked, doubts, stretches }: Followed): string {
   if (!frames || !tracked || tracked === frames) return '';
   const losses = sumOf(doubts, (doubt) => doubt.losses);
-  if (losses === 0) return frames - tracked === 1 ? t.itWasLostInOneFrame : t.itWasLostInFrames(count(frames - tracked));
+  if (losses === 0)
+    return frames - tracked === 1
+      ? t.itWasLostInOneFrame
+      : t.itWasLostInFrames(count(frames - tracked));
   const long = durationText(sumOf(doubts, ({ lost_s }) => lost_s));
-  const isLostAtTheEnd = stretches?.filter(({ follow }) => follow !== 'gap').at(-1)?.follow === 'lost';
+  const isLostAtTheEnd =
+    stretches?.filter(({ follow }) => follow !== 'gap').at(-1)?.follow === 'lost';
   if (losses === 1) return isLostAtTheEnd ? t.itWasLostOnceToTheEnd(long) : t.itWasLostOnce(long);
-  return isLostAtTheEnd ? t.itWasLostTimesToTheEnd(count(losses), long) : t.itWasLostTimes(count(losses), long);
+  return isLostAtTheEnd
+    ? t.itWasLostTimesToTheEnd(count(losses), long)
+    : t.itWasLostTimes(count(losses), long);
 }
 
 function expectedText({ expectedPathError_m, tracked }: Followed): string {
-  return expectedPathError_m !== null && tracked ? t.itsPathShouldBeRightTo(roundedUpText(expectedPathError_m)) : '';
+  return expectedPathError_m !== null && tracked
+    ? t.itsPathShouldBeRightTo(roundedUpText(expectedPathError_m))
+    : '';
 }
 
 function unreadText({ unread }: Followed): string {
@@ -115,7 +146,13 @@ function unusedText(counts: FrameCounts | null): string {
 export function doubtText({ weak, lost, weak_s, lost_s, losses }: Doubt): string {
   const [long, frames] = [durationText(lost_s), framesNumber(lost)];
   return [
-    ...(lost > 0 ? [losses > 1 ? t.lostTimesNotInTheModel(count(losses), long, frames) : t.lostForNotInTheModel(long, frames)] : []),
+    ...(lost > 0
+      ? [
+          losses > 1
+            ? t.lostTimesNotInTheModel(count(losses), long, frames)
+            : t.lostForNotInTheModel(long, frames),
+        ]
+      : []),
     ...(weak > 0 ? [t.doubtfulForNearlyLost(durationText(weak_s), framesNumber(weak))] : []),
   ]
     .join('; ')
@@ -123,8 +160,14 @@ export function doubtText({ weak, lost, weak_s, lost_s, losses }: Doubt): string
 }
 
 // What the images of a frame show by themselves; empty when nothing is striking.
-export function imageText(depth: Pick<DepthImage, 'measured' | 'valid_percent'> | null, brightness: number | null): string {
-  const seen = depth === null || depth.valid_percent === null ? '' : depthText(depth.measured, depth.valid_percent);
+export function imageText(
+  depth: Pick<DepthImage, 'measured' | 'valid_percent'> | null,
+  brightness: number | null,
+): string {
+  const seen =
+    depth === null || depth.valid_percent === null
+      ? ''
+      : depthText(depth.measured, depth.valid_percent);
   if (brightness !== null && brightness < 0.1)
     return sentence(seen ? t.andTheImageIsNearlyBlack(seen) : t.inThisFrameTheImageIsNearlyBlack);
   if (brightness !== null && brightness > 0.95)

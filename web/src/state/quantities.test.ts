@@ -39,29 +39,37 @@ it('writes a length that was chosen with the digits that it has', () => {
 });
 
 it('rounds estimates and bounds up', () => {
-  expect([0, 0.0021, 0.003, 0.0091, 0.0123, Math.fround(0.05), 0.99, 0.991, 1.26, 1.31].map(roundedUpText)).toEqual([
-    '1 mm',
-    '3 mm',
-    '3 mm',
-    '1 cm',
-    '2 cm',
-    '5 cm',
-    '99 cm',
-    '1.0 m',
-    '1.3 m',
-    '1.4 m',
-  ]);
+  expect(
+    [0, 0.0021, 0.003, 0.0091, 0.0123, Math.fround(0.05), 0.99, 0.991, 1.26, 1.31].map(
+      roundedUpText,
+    ),
+  ).toEqual(['1 mm', '3 mm', '3 mm', '1 cm', '2 cm', '5 cm', '99 cm', '1.0 m', '1.3 m', '1.4 m']);
   expect([0.004, 0.0111, 0.7].map(withinText)).toEqual(['± 8 mm', '± 3 cm', '± 1.4 m']);
 });
 
 it('writes how long something took or takes', () => {
-  expect([0.01, 0.8, 9.97, 75, 3700].map(durationText)).toEqual(['less than 0.1 s', '0.8 s', '10 s', '1 min 15 s', '1 h 1 min']);
-  expect([0.9, 1, 9.4, 75].map(secondsText)).toEqual(['less than a second', '1 s', '9 s', '1 min 15 s']);
+  expect([0.01, 0.8, 9.97, 75, 3700].map(durationText)).toEqual([
+    'less than 0.1 s',
+    '0.8 s',
+    '10 s',
+    '1 min 15 s',
+    '1 h 1 min',
+  ]);
+  expect([0.9, 1, 9.4, 75].map(secondsText)).toEqual([
+    'less than a second',
+    '1 s',
+    '9 s',
+    '1 min 15 s',
+  ]);
   expect(millisecondsText(33.3)).toBe('33 ms');
 });
 
 it('writes times as a clock does, and as a camera does', () => {
   expect([0, 59.96, 62.34].map((at_s) => clockText(at_s))).toEqual(['0:00.0', '1:00.0', '1:02.3']);
-  expect([0, 62.0334, 754.0335].map((at_s) => clockText(at_s, 3))).toEqual(['0:00.000', '1:02.033', '12:34.034']);
+  expect([0, 62.0334, 754.0335].map((at_s) => clockText(at_s, 3))).toEqual([
+    '0:00.000',
+    '1:02.033',
+    '12:34.034',
+  ]);
   expect([1.5, 1700000000.125].map(timestampText)).toEqual(['1.5 s', '1700000000.125 s']);
 });

@@ -1,4 +1,5 @@
-// Lengths and times as a person reads them, in the language of the page. Files for programs and numbers in forms have their own ways.
+// Lengths and times as a person reads them, in the language of the page. Files for programs and
+// numbers in forms have their own ways.
 import { decimal, locale, t } from '../texts/texts';
 
 // With the digits that it has, for what was chosen or recorded.
@@ -22,11 +23,15 @@ export function lengthText(length_m: number): string {
   return length_m < 1 ? `${exactNumber(100 * length_m)} cm` : `${exactNumber(length_m)} m`;
 }
 
-// Of an estimate or a bound, which is never told smaller than it is: rounded up to a millimetre, a centimetre or a tenth of a metre.
+// Of an estimate or a bound, which is never told smaller than it is: rounded up to a millimetre, a
+// centimetre or a tenth of a metre.
 export function roundedUpText(length_m: number): string {
-  const up_mm = Math.max(1, Math.ceil(1000 * length_m - 1e-3)); // a micrometre may come from rounding
+  // A micrometre may come from rounding.
+  const up_mm = Math.max(1, Math.ceil(1000 * length_m - 1e-3));
   if (up_mm < 10) return `${up_mm} mm`;
-  return up_mm <= 990 ? `${Math.ceil(up_mm / 10)} cm` : `${decimal(Math.ceil(up_mm / 100) / 10, 1)} m`;
+  return up_mm <= 990
+    ? `${Math.ceil(up_mm / 10)} cm`
+    : `${decimal(Math.ceil(up_mm / 100) / 10, 1)} m`;
 }
 
 // Twice a standard deviation.
@@ -48,7 +53,11 @@ export function secondsText(duration_s: number): string {
 function wholeText(duration_s: number): string {
   const whole_s = Math.round(duration_s);
   if (whole_s < 60) return `${whole_s} s`;
-  const [hours, minutes, seconds] = [Math.floor(whole_s / 3600), Math.floor(whole_s / 60) % 60, whole_s % 60];
+  const [hours, minutes, seconds] = [
+    Math.floor(whole_s / 3600),
+    Math.floor(whole_s / 60) % 60,
+    whole_s % 60,
+  ];
   return hours > 0 ? `${hours} h ${minutes} min` : `${minutes} min ${seconds} s`;
 }
 

@@ -25,7 +25,11 @@ const state = (phase: ScanPhaseName): ScanEvent => ({
 });
 
 // Names of the chunks that the scene has.
-function play(): { say: (...events: ScanEvent[]) => void; shown: Set<number>; content: () => { points: number; old: boolean } } {
+function play(): {
+  say: (...events: ScanEvent[]) => void;
+  shown: Set<number>;
+  content: () => { points: number; old: boolean };
+} {
   const shown = new Set<number>();
   let content = { points: 0, old: false };
   const receive = receiver(

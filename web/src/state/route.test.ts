@@ -7,7 +7,11 @@ describe('routeOf', () => {
     fc.assert(
       fc.property(fc.string({ minLength: 1, unit: 'grapheme' }), (scanId) => {
         expect(routeOf(hashOf(scanId))).toEqual({ page: 'scan', scanId, view: '' });
-        expect(routeOf(hashOf(scanId, 'clip=1,2'))).toEqual({ page: 'scan', scanId, view: 'clip=1,2' });
+        expect(routeOf(hashOf(scanId, 'clip=1,2'))).toEqual({
+          page: 'scan',
+          scanId,
+          view: 'clip=1,2',
+        });
       }),
     );
   });
@@ -17,11 +21,16 @@ describe('routeOf', () => {
     expect(routeOf('#/scan/a?clip=1&page=quality')).toMatchObject({ page: 'quality', scanId: 'a' });
     expect(routeOf(frameHash('a', 17))).toEqual({ page: 'scan', scanId: 'a', view: 'frame=17' });
     expect(frameOf('frame=17')).toBe(17);
-    for (const none of ['', 'frame=', 'frame=-1', 'frame=x', 'frame=1e3', 'frame=12345678901']) expect(frameOf(none)).toBeNull();
+    for (const none of ['', 'frame=', 'frame=-1', 'frame=x', 'frame=1e3', 'frame=12345678901'])
+      expect(frameOf(none)).toBeNull();
   });
 
   it('knows a comparison, with the id of the other scan', () => {
-    expect(routeOf(compareHash('a/b', 'c&d'))).toEqual({ page: 'compare', scanId: 'a/b', other: 'c&d' });
+    expect(routeOf(compareHash('a/b', 'c&d'))).toEqual({
+      page: 'compare',
+      scanId: 'a/b',
+      other: 'c&d',
+    });
     expect(routeOf('#/scan/a?page=compare')).toMatchObject({ page: 'scan' });
   });
 

@@ -15,7 +15,11 @@ export function routeOf(hash: string): Route {
   try {
     const other = otherOf(view);
     if (other) return { page: 'compare', scanId: decodeURIComponent(scan), other };
-    return { page: view.split('&').includes(quality) ? 'quality' : 'scan', scanId: decodeURIComponent(scan), view };
+    return {
+      page: view.split('&').includes(quality) ? 'quality' : 'scan',
+      scanId: decodeURIComponent(scan),
+      view,
+    };
   } catch {
     return { page: 'list' }; // a broken percent sign
   }
@@ -26,7 +30,8 @@ export function hashOf(scanId: string, view = ''): string {
 }
 
 // What has changed between two scans; the second one's id is a field of the address, too.
-export const compareHash = (first: string, second: string): string => hashOf(first, `page=compare&with=${encodeURIComponent(second)}`);
+export const compareHash = (first: string, second: string): string =>
+  hashOf(first, `page=compare&with=${encodeURIComponent(second)}`);
 
 function otherOf(view: string): string {
   const fields = new URLSearchParams(view);
@@ -36,7 +41,8 @@ function otherOf(view: string): string {
 export const qualityHash = (scanId: string): string => hashOf(scanId, quality);
 
 // The scan with this frame of its camera looked at.
-export const frameHash = (scanId: string, frame: number): string => hashOf(scanId, `frame=${frame}`);
+export const frameHash = (scanId: string, frame: number): string =>
+  hashOf(scanId, `frame=${frame}`);
 
 // The frame that a view names, null when it names none.
 export function frameOf(view: string): number | null {

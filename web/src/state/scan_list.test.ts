@@ -37,6 +37,9 @@ test('scans are in the order asked for', () => {
   expect(titles(sorted(scans, 'newest'))).toEqual(['Küche 10', 'kitchen 9', 'Attic']);
   expect(titles(sorted(scans, 'oldest'))).toEqual(['Attic', 'kitchen 9', 'Küche 10']);
   expect(titles(sorted(scans, 'title'))).toEqual(['Attic', 'kitchen 9', 'Küche 10']);
-  expect(titles(sorted([scan('room 10', 0), scan('Room 9', 0)], 'title'))).toEqual(['Room 9', 'room 10']);
+  expect(titles(sorted([scan('room 10', 0), scan('Room 9', 0)], 'title'))).toEqual([
+    'Room 9',
+    'room 10',
+  ]);
   expect(titles(sorted(scans, 'frames'))).toEqual(['kitchen 9', 'Küche 10', 'Attic']);
 });

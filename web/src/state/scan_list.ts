@@ -7,7 +7,9 @@ export type SortName = (typeof sortNames)[number];
 // Every word must be found in the title or a tag, whatever its case and accents.
 export function found(scans: readonly ScanSummary[], query: string): ScanSummary[] {
   const wanted = plain(query).split(/\s+/).filter(Boolean);
-  return scans.filter((scan) => wanted.every((word) => [scan.title, ...scan.tags].some((text) => plain(text).includes(word))));
+  return scans.filter((scan) =>
+    wanted.every((word) => [scan.title, ...scan.tags].some((text) => plain(text).includes(word))),
+  );
 }
 
 // Those that have all of these tags.
@@ -17,7 +19,9 @@ export function tagged(scans: readonly ScanSummary[], tags: ReadonlySet<string>)
 
 // All tags of these scans, in the order of a dictionary.
 export function tagsOf(scans: readonly ScanSummary[]): string[] {
-  return [...new Set(scans.flatMap((scan) => scan.tags))].sort((a, b) => a.localeCompare(b, undefined, { numeric: true }));
+  return [...new Set(scans.flatMap((scan) => scan.tags))].sort((a, b) =>
+    a.localeCompare(b, undefined, { numeric: true }),
+  );
 }
 
 // The tags in what somebody has typed, each once.
@@ -40,7 +44,9 @@ export function sorted(scans: readonly ScanSummary[], by: SortName): ScanSummary
     case 'oldest':
       return [...scans].reverse();
     case 'title':
-      return [...scans].sort((a, b) => a.title.localeCompare(b.title, undefined, { numeric: true, sensitivity: 'base' }));
+      return [...scans].sort((a, b) =>
+        a.title.localeCompare(b.title, undefined, { numeric: true, sensitivity: 'base' }),
+      );
     case 'frames':
       return [...scans].sort((a, b) => b.frameCount - a.frameCount);
   }

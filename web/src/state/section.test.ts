@@ -2,14 +2,26 @@ import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import type { Triple } from './axes';
 import type { Plane } from './cutting';
-import { clippedTo, extentOf, joined, lengthOf, placeOf, segmentsOf, type Surface } from './section';
+import {
+  clippedTo,
+  extentOf,
+  joined,
+  lengthOf,
+  placeOf,
+  segmentsOf,
+  type Surface,
+} from './section';
 
 const axes = { along: [1, 0, 0], up: [0, 0, 1] } as const;
 const level = (at_m: number): Plane => ({ u: [1, 0, 0], v: [0, 1, 0], normal: [0, 0, 1], at_m });
 
 // A box from the origin, its corners numbered by bits; two triangles a face.
 function boxOf(x: number, y: number, z: number): Surface {
-  const corners = Array.from({ length: 8 }, (_, i) => [i & 1 ? x : 0, i & 2 ? y : 0, i & 4 ? z : 0]);
+  const corners = Array.from({ length: 8 }, (_, i) => [
+    i & 1 ? x : 0,
+    i & 2 ? y : 0,
+    i & 4 ? z : 0,
+  ]);
   const faces = [
     [0, 2, 3, 1],
     [4, 5, 7, 6],
@@ -18,16 +30,26 @@ function boxOf(x: number, y: number, z: number): Surface {
     [0, 4, 6, 2],
     [1, 3, 7, 5],
   ];
-  return { positions_m: corners.flat(), index: faces.flatMap(([a, b, c, d]) => [a!, b!, c!, a!, c!, d!]) };
+  return {
+    positions_m: corners.flat(),
+    index: faces.flatMap(([a, b, c, d]) => [a!, b!, c!, a!, c!, d!]),
+  };
 }
 
 // Each triangle with corners of its own, as behind a seam of a texture.
 function torn({ positions_m, index }: Surface): Surface {
-  const corners = Array.from(index).flatMap((i) => [positions_m[3 * i]!, positions_m[3 * i + 1]!, positions_m[3 * i + 2]!]);
+  const corners = Array.from(index).flatMap((i) => [
+    positions_m[3 * i]!,
+    positions_m[3 * i + 1]!,
+    positions_m[3 * i + 2]!,
+  ]);
   return { positions_m: corners, index: Array.from(index, (_, i) => i) };
 }
 
-const triangle = (...corners: readonly Triple[]): Surface => ({ positions_m: corners.flat(), index: corners.map((_, i) => i) });
+const triangle = (...corners: readonly Triple[]): Surface => ({
+  positions_m: corners.flat(),
+  index: corners.map((_, i) => i),
+});
 
 describe('segmentsOf', () => {
   it('gives the outline of a box as one closed line, torn along every edge or not', () => {
@@ -51,10 +73,13 @@ describe('segmentsOf', () => {
   });
 
   it('goes through vertices that lie on the plane', () => {
-    const through = triangle([0, 0, 0], [2, 0, 1], [2, 0, -1]); // a corner on it, the side across cut in the middle
+    // A corner is on the plane, and the side across is cut in the middle.
+    const through = triangle([0, 0, 0], [2, 0, 1], [2, 0, -1]);
     expect(segmentsOf(through, level(0))).toEqual([0, 0, 2, 0]);
-    expect(segmentsOf(triangle([0, 0, 0], [2, 0, 1], [2, 0, 2]), level(0))).toEqual([]); // touches it
-    const edge = triangle([0, 0, 0], [2, 0, 0], [1, 1, 1], [0, 0, 0], [2, 0, 0], [1, 1, -1]); // two that share an edge on it
+    // A triangle that only touches the plane is not cut.
+    expect(segmentsOf(triangle([0, 0, 0], [2, 0, 1], [2, 0, 2]), level(0))).toEqual([]);
+    // Two triangles share an edge that is on the plane.
+    const edge = triangle([0, 0, 0], [2, 0, 0], [1, 1, 1], [0, 0, 0], [2, 0, 0], [1, 1, -1]);
     expect(segmentsOf(edge, level(0))).toEqual([0, 0, 2, 0]);
     // An octahedron with four of its corners on the plane.
     const ring: Triple[] = [
@@ -64,7 +89,14 @@ describe('segmentsOf', () => {
       [0, -1, 0],
     ];
     const octahedron = triangle(
-      ...ring.flatMap((one, i) => [one, ring[(i + 1) % 4]!, [0, 0, 1] as const, one, ring[(i + 1) % 4]!, [0, 0, -1] as const]),
+      ...ring.flatMap((one, i) => [
+        one,
+        ring[(i + 1) % 4]!,
+        [0, 0, 1] as const,
+        one,
+        ring[(i + 1) % 4]!,
+        [0, 0, -1] as const,
+      ]),
     );
     const lines = joined(segmentsOf(octahedron, level(0)));
     expect(lines).toHaveLength(1);
@@ -91,7 +123,8 @@ describe('segmentsOf', () => {
 
   it('is open where the surface ends', () => {
     const box = boxOf(4, 3, 2);
-    const open: Surface = { ...box, index: Array.from(box.index).slice(0, -6) }; // without the wall at the far end of x
+    // Without the wall at the far end of x.
+    const open: Surface = { ...box, index: Array.from(box.index).slice(0, -6) };
     const lines = joined(segmentsOf(open, level(1)));
     expect(lines).toHaveLength(1);
     expect(lines[0]!.closed).toBe(false);
@@ -107,7 +140,10 @@ describe('segmentsOf', () => {
     const plane: Plane = { u: [0.6, 0.8, 0], v: [0, 0, 1], normal: [0.8, -0.6, 0], at_m: 0 };
     const far: Triple = [80_000, 60_000, 30];
     const box = boxOf(3, 4, 2);
-    const moved = { ...box, positions_m: Array.from(box.positions_m, (value, i) => value + far[i % 3]!) };
+    const moved = {
+      ...box,
+      positions_m: Array.from(box.positions_m, (value, i) => value + far[i % 3]!),
+    };
     const at_m = far[0] * 0.8 - far[1] * 0.6;
     expect(lengthOf(joined(segmentsOf(moved, { ...plane, at_m })))).toBeCloseTo(2 * (5 + 2), 6);
     fc.assert(
@@ -129,9 +165,20 @@ describe('joined', () => {
   it('keeps every length, whatever the order of the segments', () => {
     fc.assert(
       fc.property(fc.shuffledSubarray([0, 1, 2, 3, 4, 5, 6, 7], { minLength: 8 }), (order) => {
-        const corner = (i: number): number[] => [Math.cos((i * Math.PI) / 4), Math.sin((i * Math.PI) / 4)];
-        const lines = joined(order.flatMap((i) => (i % 2 ? [...corner(i), ...corner(i + 1)] : [...corner(i + 1), ...corner(i)])));
-        return lines.length === 1 && lines[0]!.closed && Math.abs(lengthOf(lines) - 16 * Math.sin(Math.PI / 8)) < 1e-9;
+        const corner = (i: number): number[] => [
+          Math.cos((i * Math.PI) / 4),
+          Math.sin((i * Math.PI) / 4),
+        ];
+        const lines = joined(
+          order.flatMap((i) =>
+            i % 2 ? [...corner(i), ...corner(i + 1)] : [...corner(i + 1), ...corner(i)],
+          ),
+        );
+        return (
+          lines.length === 1 &&
+          lines[0]!.closed &&
+          Math.abs(lengthOf(lines) - 16 * Math.sin(Math.PI / 8)) < 1e-9
+        );
       }),
     );
   });

@@ -1,6 +1,7 @@
 // Where a surface of triangles meets a plane: line segments, and those joined to polylines. Pure.
 //
-// An edge in the plane is a line once, however many triangles have it. Of an area that lies in the plane the outline is drawn.
+// An edge in the plane is a line once, however many triangles have it. Of an area that lies in the
+// plane the outline is drawn.
 import { combined, dot, threeOf, type Axes, type Triple } from './axes';
 import type { Box, Plane } from './cutting';
 
@@ -22,7 +23,8 @@ const weld_m = 1e-5; // ends as near are the same
 export function segmentsOf(surface: Surface, plane: Plane): number[] {
   const heights = heightsOf(surface, plane);
   const lines = new LineSet();
-  for (let i = 0; i + 2 < surface.index.length; i += 3) cutTriangle(surface, heights, plane, i, lines);
+  for (let i = 0; i + 2 < surface.index.length; i += 3)
+    cutTriangle(surface, heights, plane, i, lines);
   return lines.take();
 }
 
@@ -30,18 +32,33 @@ export function segmentsOf(surface: Surface, plane: Plane): number[] {
 function heightsOf({ positions_m }: Surface, { normal, at_m }: Plane): Float64Array {
   const heights = new Float64Array(Math.floor(positions_m.length / 3));
   for (let i = 0, k = 0; i < heights.length; ++i, k += 3)
-    heights[i] = positions_m[k]! * normal[0] + positions_m[k + 1]! * normal[1] + positions_m[k + 2]! * normal[2] - at_m;
+    heights[i] =
+      positions_m[k]! * normal[0] +
+      positions_m[k + 1]! * normal[1] +
+      positions_m[k + 2]! * normal[2] -
+      at_m;
   return heights;
 }
 
-function cutTriangle({ positions_m, index }: Surface, heights: Float64Array, plane: Plane, first: number, lines: LineSet): void {
+function cutTriangle(
+  { positions_m, index }: Surface,
+  heights: Float64Array,
+  plane: Plane,
+  first: number,
+  lines: LineSet,
+): void {
   const corners = [index[first]!, index[first + 1]!, index[first + 2]!] as const;
   const [a, b, c] = [heights[corners[0]]!, heights[corners[1]]!, heights[corners[2]]!];
   if ((a > 0 && b > 0 && c > 0) || (a < 0 && b < 0 && c < 0) || !Number.isFinite(a + b + c)) return;
-  const at = (i: number): Triple => [positions_m[3 * i]!, positions_m[3 * i + 1]!, positions_m[3 * i + 2]!];
+  const at = (i: number): Triple => [
+    positions_m[3 * i]!,
+    positions_m[3 * i + 1]!,
+    positions_m[3 * i + 2]!,
+  ];
   const onPlane = corners.filter((i) => heights[i] === 0).map((i) => flat(at(i), plane));
   if (onPlane.length === 3) {
-    if (areaOf(onPlane as [Point, Point, Point]) > 0) onPlane.forEach((point, k) => lines.addFlat(point, onPlane[(k + 1) % 3]!));
+    if (areaOf(onPlane as [Point, Point, Point]) > 0)
+      onPlane.forEach((point, k) => lines.addFlat(point, onPlane[(k + 1) % 3]!));
     return;
   }
   const ends = [...onPlane];
@@ -88,7 +105,10 @@ class Welder {
 class LineSet {
   private readonly welder = new Welder();
   private readonly lines = new Map<string, readonly [number, number]>();
-  private readonly flat = new Map<string, { readonly ends: readonly [number, number]; times: number }>(); // sides of triangles in the plane
+  private readonly flat = new Map<
+    string,
+    { readonly ends: readonly [number, number]; times: number }
+  >(); // sides of triangles in the plane
 
   add(from: Point, to: Point): void {
     const ends = this.endsOf(from, to);
@@ -104,8 +124,12 @@ class LineSet {
   }
 
   take(): number[] {
-    for (const { ends, times } of this.flat.values()) if (times % 2 === 1) this.lines.set(ends.join(), ends);
-    return [...this.lines.values()].flatMap(([a, b]) => [...this.welder.points[a]!, ...this.welder.points[b]!]);
+    for (const { ends, times } of this.flat.values())
+      if (times % 2 === 1) this.lines.set(ends.join(), ends);
+    return [...this.lines.values()].flatMap(([a, b]) => [
+      ...this.welder.points[a]!,
+      ...this.welder.points[b]!,
+    ]);
   }
 
   private endsOf(from: Point, to: Point): readonly [number, number] | null {
@@ -115,7 +139,12 @@ class LineSet {
 }
 
 // What of the segments is inside of the box.
-export function clippedTo(segments: readonly number[], plane: Plane, axes: Axes, box: Box): number[] {
+export function clippedTo(
+  segments: readonly number[],
+  plane: Plane,
+  axes: Axes,
+  box: Box,
+): number[] {
   const limits = threeOf(axes).map((axis, k) => ({
     at: dot(axis, plane.normal) * plane.at_m,
     u: dot(axis, plane.u),
@@ -132,11 +161,14 @@ export function clippedTo(segments: readonly number[], plane: Plane, axes: Axes,
       const rise = limit.u * (toU - u) + limit.v * (toV - v);
       if (rise === 0 && (start < limit.low || start > limit.high)) to = -1;
       if (rise === 0) continue;
-      const [enter, leave] = [(limit.low - start) / rise, (limit.high - start) / rise].sort((a, b) => a - b) as [number, number];
+      const [enter, leave] = [(limit.low - start) / rise, (limit.high - start) / rise].sort(
+        (a, b) => a - b,
+      ) as [number, number];
       from = Math.max(from, enter);
       to = Math.min(to, leave);
     }
-    if (from < to) kept.push(u + from * (toU - u), v + from * (toV - v), u + to * (toU - u), v + to * (toV - v));
+    if (from < to)
+      kept.push(u + from * (toU - u), v + from * (toV - v), u + to * (toU - u), v + to * (toV - v));
   }
   return kept;
 }
@@ -147,7 +179,10 @@ export function joined(segments: readonly number[]): Polyline[] {
   const edges: { readonly ends: readonly [number, number]; used: boolean }[] = [];
   const at = new Map<number, number[]>(); // the edges of a point
   for (let i = 0; i < segments.length; i += 4) {
-    const ends = [welder.numberOf([segments[i]!, segments[i + 1]!]), welder.numberOf([segments[i + 2]!, segments[i + 3]!])] as const;
+    const ends = [
+      welder.numberOf([segments[i]!, segments[i + 1]!]),
+      welder.numberOf([segments[i + 2]!, segments[i + 3]!]),
+    ] as const;
     if (ends[0] === ends[1]) continue;
     for (const end of ends) at.set(end, [...(at.get(end) ?? []), edges.length]);
     edges.push({ ends, used: false });
@@ -163,27 +198,45 @@ export function joined(segments: readonly number[]): Polyline[] {
       edge = around.length === 2 ? around.find((one) => !edges[one]!.used) : undefined;
     }
     const closed = numbers.length > 3 && numbers[0] === numbers[numbers.length - 1];
-    return { points: (closed ? numbers.slice(0, -1) : numbers).map((number) => welder.points[number]!), closed };
+    return {
+      points: (closed ? numbers.slice(0, -1) : numbers).map((number) => welder.points[number]!),
+      closed,
+    };
   };
   const lines: Polyline[] = [];
   // First from where lines end or branch; what is left then are rings.
   for (const [point, around] of at)
-    if (around.length !== 2) for (const edge of around) if (!edges[edge]!.used) lines.push(walk(point, edge));
+    if (around.length !== 2)
+      for (const edge of around) if (!edges[edge]!.used) lines.push(walk(point, edge));
   edges.forEach((edge, i) => !edge.used && lines.push(walk(edge.ends[0], i)));
   return lines;
 }
 
 export function lengthOf(lines: readonly Polyline[]): number {
   const along = (points: readonly Point[]): number =>
-    points.slice(1).reduce((sum, point, i) => sum + Math.hypot(point[0] - points[i]![0], point[1] - points[i]![1]), 0);
-  return lines.reduce((sum, { points, closed }) => sum + along(closed ? [...points, points[0]!] : points), 0);
+    points
+      .slice(1)
+      .reduce(
+        (sum, point, i) => sum + Math.hypot(point[0] - points[i]![0], point[1] - points[i]![1]),
+        0,
+      );
+  return lines.reduce(
+    (sum, { points, closed }) => sum + along(closed ? [...points, points[0]!] : points),
+    0,
+  );
 }
 
 // Least u and v, then most.
 export function extentOf(lines: readonly Polyline[]): readonly [number, number, number, number] {
   let [left, low, right, high] = [Infinity, Infinity, -Infinity, -Infinity];
   for (const { points } of lines)
-    for (const [u, v] of points) [left, low, right, high] = [Math.min(left, u), Math.min(low, v), Math.max(right, u), Math.max(high, v)];
+    for (const [u, v] of points)
+      [left, low, right, high] = [
+        Math.min(left, u),
+        Math.min(low, v),
+        Math.max(right, u),
+        Math.max(high, v),
+      ];
   return [left, low, right, high];
 }
 

@@ -32,7 +32,8 @@ describe('svgOf', () => {
   it('is as large on paper as its scale says', () => {
     const svg = svgOf([room, door], { title: 'Room', description: 'Horizontal section' });
     expect(svg).toContain('1:20');
-    expect(svg).toContain('width="220mm" height="192mm" viewBox="0 0 220 192"'); // 4 m and 3 m at 1:20, with margins and a foot
+    // The lines are 4 m and 3 m long at 1:20, with margins and a foot.
+    expect(svg).toContain('width="220mm" height="192mm" viewBox="0 0 220 192"');
     expect(svg).toContain('transform="matrix(50 0 0 -50 10 160)"');
     expect(svg).toContain('d="M0 0L4 0L4 3L0 3Z"');
     expect(svg).toContain('d="M1 0L1 1"');
@@ -60,16 +61,22 @@ function groupsOf(text: string): [number, string][] {
   const lines = text.split('\r\n');
   expect(lines.pop()).toBe('');
   expect(lines.length % 2).toBe(0);
-  return Array.from({ length: lines.length / 2 }, (_, i) => [Number(lines[2 * i]), lines[2 * i + 1]!]);
+  return Array.from({ length: lines.length / 2 }, (_, i) => [
+    Number(lines[2 * i]),
+    lines[2 * i + 1]!,
+  ]);
 }
 
 describe('dxfOf', () => {
   const groups = groupsOf(dxfOf([room, door, curve], 'Küche'));
-  const named = (name: string): number => groups.filter(([code, value]) => code === 0 && value === name).length;
+  const named = (name: string): number =>
+    groups.filter(([code, value]) => code === 0 && value === name).length;
 
   it('is made of groups: a whole number and a value of its kind', () => {
     for (const [code, value] of groups) {
-      expect([0, 1, 2, 3, 6, 8, 9, 10, 11, 20, 21, 30, 31, 40, 62, 66, 70, 72, 73, 999]).toContain(code);
+      expect([0, 1, 2, 3, 6, 8, 9, 10, 11, 20, 21, 30, 31, 40, 62, 66, 70, 72, 73, 999]).toContain(
+        code,
+      );
       if (code >= 10 && code < 60) expect(value).toMatch(/^-?\d+\.\d+$/);
       if (code >= 60 && code < 80) expect(value).toMatch(/^\d+$/);
     }
@@ -80,13 +87,16 @@ describe('dxfOf', () => {
   });
 
   it('is in metres, of release 12', () => {
-    const headerValue = (name: string): string => groups[groups.findIndex(([code, value]) => code === 9 && value === name) + 1]![1];
+    const headerValue = (name: string): string =>
+      groups[groups.findIndex(([code, value]) => code === 9 && value === name) + 1]![1];
     expect(headerValue('$ACADVER')).toBe('AC1009');
     expect(headerValue('$INSUNITS')).toBe('6');
   });
 
   it('has a line for two points and a polyline for more', () => {
-    expect([named('LINE'), named('POLYLINE'), named('SEQEND'), named('VERTEX')]).toEqual([1, 2, 2, 7]);
+    expect([named('LINE'), named('POLYLINE'), named('SEQEND'), named('VERTEX')]).toEqual([
+      1, 2, 2, 7,
+    ]);
     const flags = groups.flatMap(([code, value], i) =>
       code === 0 && value === 'POLYLINE' ? [groups.slice(i).find(([of]) => of === 70)![1]] : [],
     );

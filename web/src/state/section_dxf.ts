@@ -1,4 +1,5 @@
-// A section for programs that draw: DXF as release 12 has it, which all of them read, in metres. Pure.
+// A section for programs that draw: DXF as release 12 has it, which all of
+// them read, in metres. Pure.
 import { extentOf, type Polyline } from './section';
 
 type Group = readonly [code: number, value: string | number];
@@ -46,7 +47,11 @@ function entityOf({ points, closed }: Polyline): Group[] {
   ];
   if (points.length === 2) return [...start('LINE'), ...at(...points[0]!), ...at(...points[1]!, 1)];
   const head: Group[] = [...start('POLYLINE'), [66, 1], ...at(0, 0), [70, closed ? 1 : 0]];
-  return [...head, ...points.flatMap((point) => [...start('VERTEX'), ...at(...point)]), ...start('SEQEND')];
+  return [
+    ...head,
+    ...points.flatMap((point) => [...start('VERTEX'), ...at(...point)]),
+    ...start('SEQEND'),
+  ];
 }
 
 // `more`: on the codes, of the second end of a line.

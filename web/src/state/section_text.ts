@@ -16,7 +16,10 @@ export function sectionText({ surface, lines }: CutSurface): string {
   if (surface === 'none') return t.thereIsNoSurfaceThatCould;
   if (lines.length === 0) return noCut;
   if (surface === 'growing') return t.theSectionCanBeDownloadedWhen;
-  return t.ofLinesIn(metresText(lengthOf(lines), 2), lines.length === 1 ? t.onePiece : t.piecesCount(count(lines.length)));
+  return t.ofLinesIn(
+    metresText(lengthOf(lines), 2),
+    lines.length === 1 ? t.onePiece : t.piecesCount(count(lines.length)),
+  );
 }
 
 // From the floor or where the model begins.
@@ -38,7 +41,9 @@ export function drawingText(model: Model, section: Section): string {
 
 // Behind the name of the scan, the same in every language: "section_horizontal_1.200m".
 export function sectionName(model: Model, section: Section): string {
-  const turn = section.kind === 'vertical' && section.turn_deg !== 0 ? `_${section.turn_deg}deg` : '';
-  const place_m = Number(sectionPlace_m(model, section).toFixed(3)); // -0 loses its sign in the next line
+  const turn =
+    section.kind === 'vertical' && section.turn_deg !== 0 ? `_${section.turn_deg}deg` : '';
+  // -0 loses its sign in the next line.
+  const place_m = Number(sectionPlace_m(model, section).toFixed(3));
   return `section_${section.kind}${turn}_${place_m.toFixed(3)}m`;
 }

@@ -16,7 +16,12 @@ describe('storageOr', () => {
     storage.setItem('a', 'b');
     storage.setItem('c', 'd');
     expect(storage.getItem('a')).toBe('b');
-    expect([storage.length, storage.key(0), storage.key(1), storage.key(2)]).toEqual([2, 'a', 'c', null]);
+    expect([storage.length, storage.key(0), storage.key(1), storage.key(2)]).toEqual([
+      2,
+      'a',
+      'c',
+      null,
+    ]);
     storage.removeItem('a');
     expect(storage.getItem('a')).toBeNull();
   });

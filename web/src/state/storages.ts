@@ -1,4 +1,5 @@
-// The browser's storages. In a frame of another site it may refuse them: then things are remembered as long as the page is open.
+// The browser's storages. In a frame of another site it may refuse them: then things are remembered
+// as long as the page is open.
 
 export type SomeStorage = Pick<Storage, 'getItem' | 'setItem' | 'removeItem' | 'length' | 'key'>;
 

@@ -3,10 +3,14 @@
 export interface Store<State, Event> {
   get(): State;
   dispatch(event: Event): void;
-  subscribe(listener: (state: State) => void): () => void; // called at once and after every change; returns how to stop
+  // Calls `listener` at once and after every change. Returns how to stop.
+  subscribe(listener: (state: State) => void): () => void;
 }
 
-export function createStore<State, Event>(initial: State, reduce: (state: State, event: Event) => State): Store<State, Event> {
+export function createStore<State, Event>(
+  initial: State,
+  reduce: (state: State, event: Event) => State,
+): Store<State, Event> {
   let state = initial;
   const listeners = new Set<(state: State) => void>();
   return {

@@ -13,7 +13,10 @@ const letters: Record<string, FrameStatus> = {
   d: 'damaged',
   u: 'unknown',
 };
-const listWith = (statuses: readonly FrameStatus[], timestamps_s: FrameList['timestamps_s']): FrameList => ({
+const listWith = (
+  statuses: readonly FrameStatus[],
+  timestamps_s: FrameList['timestamps_s'],
+): FrameList => ({
   timestamps_s,
   statuses,
   reasons: statuses.map(() => ''),
@@ -25,7 +28,9 @@ const at30Hz = (statuses: readonly FrameStatus[]): FrameList =>
   );
 const listOf = (text: string): FrameList => {
   const there = [...text].flatMap((letter, i) =>
-    letter === '-' ? [] : [{ status: letters[letter]!, time_s: letter === 'd' ? null : 100 + i / 10 }],
+    letter === '-'
+      ? []
+      : [{ status: letters[letter]!, time_s: letter === 'd' ? null : 100 + i / 10 }],
   );
   return listWith(
     there.map(({ status }) => status),
@@ -34,24 +39,34 @@ const listOf = (text: string): FrameList => {
 };
 const short = (text: string): string[] =>
   stretchesOf(listOf(text)).map(
-    ({ follow, first, last, from_s, to_s }) => `${follow} ${first}-${last} ${from_s.toFixed(1)}-${to_s.toFixed(1)}`,
+    ({ follow, first, last, from_s, to_s }) =>
+      `${follow} ${first}-${last} ${from_s.toFixed(1)}-${to_s.toFixed(1)}`,
   );
 
 describe('stretchesOf', () => {
   it('merges neighbours of the same kind', () => {
-    expect(short('tttlltt')).toEqual(['tracked 0-2 0.0-0.3', 'lost 3-4 0.3-0.5', 'tracked 5-6 0.5-0.7']);
+    expect(short('tttlltt')).toEqual([
+      'tracked 0-2 0.0-0.3',
+      'lost 3-4 0.3-0.5',
+      'tracked 5-6 0.5-0.7',
+    ]);
     expect(short('l')).toEqual(['lost 0-0 0.0-0.0']);
     expect(short('')).toEqual([]);
   });
 
   it('passes over frames that were not used, and says where there are none at all', () => {
     expect(short('tototdtrt')).toEqual(['tracked 0-8 0.0-1.0']);
-    expect(short('ttt---------ttt')).toEqual(['tracked 0-2 0.0-0.3', 'gap 2-3 0.3-1.2', 'tracked 3-5 1.2-1.5']);
+    expect(short('ttt---------ttt')).toEqual([
+      'tracked 0-2 0.0-0.3',
+      'gap 2-3 0.3-1.2',
+      'tracked 3-5 1.2-1.5',
+    ]);
   });
 });
 
 describe('doubtsIn', () => {
-  const doubts = (text: string) => doubtsIn(stretchesOf(listOf(text))).map(({ first, last, ...doubt }) => doubt);
+  const doubts = (text: string) =>
+    doubtsIn(stretchesOf(listOf(text))).map(({ first, last, ...doubt }) => doubt);
 
   it('takes what is close together for one, and the worst of it', () => {
     expect(doubts('ttwttllltwt')).toEqual([
@@ -90,21 +105,31 @@ describe('doubtsIn', () => {
 
   it('counts how often the camera was lost, and a gap finds nobody', () => {
     expect(doubts('tltltt')).toMatchObject([{ losses: 2, lost: 2, lost_s: expect.closeTo(0.2) }]);
-    expect(doubts('ttl-----ltt')).toMatchObject([{ losses: 1, lost: 2, lost_s: expect.closeTo(0.2) }]);
+    expect(doubts('ttl-----ltt')).toMatchObject([
+      { losses: 1, lost: 2, lost_s: expect.closeTo(0.2) },
+    ]);
   });
 
   it('has a used frame of the worst kind stand for it', () => {
     expect(doubts('tlooolt')).toMatchObject([{ lost: 2, middle: 1 }]);
     expect(doubts('tltlllt')).toMatchObject([{ lost: 4, middle: 4 }]);
-    const statuses = Array.from({ length: 18_000 }, (_, i): FrameStatus => (i % 4 < 2 ? 'tracked' : 'weak'));
-    expect(doubtsIn(stretchesOf(at30Hz(statuses)))).toMatchObject([{ weak: 9000, weak_s: expect.closeTo(300), middle: 2 }]); // the first of equals
+    const statuses = Array.from(
+      { length: 18_000 },
+      (_, i): FrameStatus => (i % 4 < 2 ? 'tracked' : 'weak'),
+    );
+    expect(doubtsIn(stretchesOf(at30Hz(statuses)))).toMatchObject([
+      { weak: 9000, weak_s: expect.closeTo(300), middle: 2 },
+    ]); // the first of equals
   });
 });
 
 describe('stripOf', () => {
   it('stays small however many frames there are, and hides no lost frame', () => {
     const frames = 18_000;
-    const statuses = Array.from({ length: frames }, (_, i): FrameStatus => (i === 9000 ? 'lost' : i % 7 === 0 ? 'weak' : 'tracked'));
+    const statuses = Array.from(
+      { length: frames },
+      (_, i): FrameStatus => (i === 9000 ? 'lost' : i % 7 === 0 ? 'weak' : 'tracked'),
+    );
     const stretches = stretchesOf(at30Hz(statuses));
     expect(stretches.length).toBeGreaterThan(5000);
     const pieces = stripOf(stretches, 500);
@@ -137,7 +162,13 @@ describe('of the list of frames', () => {
     expect(unusedShares(listOf('tttt'), 0.4, 2)).toEqual([]);
     const shares = unusedShares(listOf('ttttooto'), 0.8, 2);
     expect(shares).toEqual([0, 0.75]);
-    expect(countsOf(listOf('ttoodw').statuses)).toMatchObject({ tracked: 2, left_out: 2, damaged: 1, weak: 1, lost: 0 });
+    expect(countsOf(listOf('ttoodw').statuses)).toMatchObject({
+      tracked: 2,
+      left_out: 2,
+      damaged: 1,
+      weak: 1,
+      lost: 0,
+    });
   });
 
   it('finds the frame of a moment', () => {

@@ -1,4 +1,5 @@
-// Which stretches of a recording the camera was followed in, doubtful or lost, by the camera's clock. Pure functions.
+// Which stretches of a recording the camera was followed in, doubtful or lost, by the
+// camera's clock. Pure functions.
 import type { FrameList, FrameStatus } from '../connection/frames';
 
 // 'gap': there are no frames. A frame that was not used belongs to the stretch around it.
@@ -14,8 +15,8 @@ export interface Stretch {
   readonly to_s: number;
 }
 
-// A place with weak or lost stretches, and with what lies between them when that is short. Its ends say where it is; how long the camera was doubtful or lost
-// in it are sums of its stretches.
+// A place with weak or lost stretches, and with what lies between them when that is short. Its ends
+// say where it is; how long the camera was doubtful or lost in it are sums of its stretches.
 export interface Doubt {
   readonly follow: 'weak' | 'lost'; // the worst
   readonly first: number; // frames, as of a stretch
@@ -33,7 +34,9 @@ export interface Doubt {
 const longestStep_s = 0.25; // from one frame to the next, and
 const longestSteps = 4; // this many usual steps; what is longer is a gap
 const together_s = 0.5; // doubts this close are one
-const longer_s = 0.001; // than another stretch; of those as long the first one counts, whatever the rounding of times
+// A stretch is longer than another one by this; of those as long the first one counts,
+// whatever the rounding of times.
+const longer_s = 0.001;
 const worst: readonly Follow[] = ['lost', 'weak', 'unknown', 'tracked', 'gap'];
 
 const isUsed = (status: FrameStatus): status is 'tracked' | 'weak' | 'lost' | 'unknown' =>
@@ -49,7 +52,9 @@ function usedFrames({ timestamps_s, statuses }: FrameList): Used[] {
   const start_s = timestamps_s.find((time_s) => time_s !== null) ?? 0;
   return statuses.flatMap((status, frame) => {
     const time_s = timestamps_s[frame] ?? null;
-    return time_s !== null && isUsed(status) ? [{ frame, at_s: time_s - start_s, follow: status }] : [];
+    return time_s !== null && isUsed(status)
+      ? [{ frame, at_s: time_s - start_s, follow: status }]
+      : [];
   });
 }
 
@@ -76,20 +81,44 @@ export function stretchesOf(list: FrameList): Stretch[] {
       };
   };
   if (used[0] && used[0].at_s > 0)
-    add({ follow: 'gap', first: 0, last: used[0].frame, frames: 0, middle: 0, from_s: 0, to_s: used[0].at_s }, 0);
+    add(
+      {
+        follow: 'gap',
+        first: 0,
+        last: used[0].frame,
+        frames: 0,
+        middle: 0,
+        from_s: 0,
+        to_s: used[0].at_s,
+      },
+      0,
+    );
   used.forEach(({ frame, at_s, follow }, i) => {
     const after = used[i + 1];
     const isGap = after !== undefined && after.at_s - at_s > longest_s;
     const to_s = after === undefined || isGap ? at_s + usual_s : after.at_s;
     add({ follow, first: frame, last: frame, frames: 1, middle: frame, from_s: at_s, to_s }, i);
-    if (isGap) add({ follow: 'gap', first: frame, last: after.frame, frames: 0, middle: frame, from_s: to_s, to_s: after.at_s }, i);
+    if (isGap)
+      add(
+        {
+          follow: 'gap',
+          first: frame,
+          last: after.frame,
+          frames: 0,
+          middle: frame,
+          from_s: to_s,
+          to_s: after.at_s,
+        },
+        i,
+      );
   });
   return found;
 }
 
 export function doubtsIn(stretches: readonly Stretch[]): Doubt[] {
   const found: Doubt[] = [];
-  let isLost = false; // since before this stretch: whoever is lost on both sides of a gap was not found in it
+  // Since before this stretch: a camera that is lost on both sides of a gap was not found in it.
+  let isLost = false;
   let longest_s = 0; // of the stretches of the worst kind in the last place
   for (const stretch of stretches) {
     const next = doubtOf(stretch, isLost);
@@ -110,10 +139,24 @@ export function doubtsIn(stretches: readonly Stretch[]): Doubt[] {
   return found;
 }
 
-function doubtOf({ follow, first, last, from_s, to_s, frames, middle }: Stretch, wasLost: boolean): Doubt | null {
+function doubtOf(
+  { follow, first, last, from_s, to_s, frames, middle }: Stretch,
+  wasLost: boolean,
+): Doubt | null {
   const place = { first, last, from_s, to_s, middle };
-  if (follow === 'weak') return { ...place, follow, weak: frames, lost: 0, weak_s: to_s - from_s, lost_s: 0, losses: 0 };
-  return follow === 'lost' ? { ...place, follow, weak: 0, lost: frames, weak_s: 0, lost_s: to_s - from_s, losses: wasLost ? 0 : 1 } : null;
+  if (follow === 'weak')
+    return { ...place, follow, weak: frames, lost: 0, weak_s: to_s - from_s, lost_s: 0, losses: 0 };
+  return follow === 'lost'
+    ? {
+        ...place,
+        follow,
+        weak: 0,
+        lost: frames,
+        weak_s: 0,
+        lost_s: to_s - from_s,
+        losses: wasLost ? 0 : 1,
+      }
+    : null;
 }
 
 function together(a: Doubt, b: Doubt, middle: number): Doubt {
@@ -139,17 +182,23 @@ export interface StripPiece {
   readonly to: number;
 }
 
-// At most `most` pieces, however many frames there are: where stretches are shorter than that, the worst one is seen.
+// At most `most` pieces, however many frames there are: where stretches are shorter than
+// that, the worst one is seen.
 export function stripOf(stretches: readonly Stretch[], most: number): StripPiece[] {
   const whole_s = stretches.at(-1)?.to_s ?? 0;
   if (whole_s <= 0) return stretches.slice(0, 1).map(({ follow }) => ({ follow, from: 0, to: 1 }));
   if (stretches.length <= most / 3)
-    return stretches.map(({ follow, from_s, to_s }) => ({ follow, from: from_s / whole_s, to: to_s / whole_s }));
+    return stretches.map(({ follow, from_s, to_s }) => ({
+      follow,
+      from: from_s / whole_s,
+      to: to_s / whole_s,
+    }));
   const bins = new Array<Follow>(most).fill('gap');
   for (const { follow, from_s, to_s } of stretches) {
     const first = Math.min(most - 1, Math.floor((from_s / whole_s) * most));
     const last = Math.min(most - 1, Math.max(first, Math.ceil((to_s / whole_s) * most) - 1));
-    for (let bin = first; bin <= last; ++bin) if (worst.indexOf(follow) < worst.indexOf(bins[bin]!)) bins[bin] = follow;
+    for (let bin = first; bin <= last; ++bin)
+      if (worst.indexOf(follow) < worst.indexOf(bins[bin]!)) bins[bin] = follow;
   }
   const pieces: StripPiece[] = [];
   bins.forEach((follow, bin) => {
@@ -160,15 +209,21 @@ export function stripOf(stretches: readonly Stretch[], most: number): StripPiece
   return pieces;
 }
 
-// Of frames that were sent and not used: their share in each of `count` equal times, empty when all were used.
-export function unusedShares({ timestamps_s, statuses }: FrameList, whole_s: number, count: number): number[] {
+// Of frames that were sent and not used: their share in each of `count` equal times,
+// empty when all were used.
+export function unusedShares(
+  { timestamps_s, statuses }: FrameList,
+  whole_s: number,
+  count: number,
+): number[] {
   if (whole_s <= 0 || statuses.every(isUsed)) return [];
   const [unused, all] = [new Array<number>(count).fill(0), new Array<number>(count).fill(0)];
   const start_s = timestamps_s.find((time_s) => time_s !== null) ?? 0;
   let at_s = 0;
   statuses.forEach((status, frame) => {
     const time_s = timestamps_s[frame] ?? null;
-    if (time_s !== null) at_s = time_s - start_s; // one without an image is where the one before it is
+    // A frame without an image is where the one before it is.
+    if (time_s !== null) at_s = time_s - start_s;
     const bin = Math.max(0, Math.min(count - 1, Math.floor((at_s / whole_s) * count)));
     all[bin]! += 1;
     if (!isUsed(status)) unused[bin]! += 1;
@@ -177,7 +232,11 @@ export function unusedShares({ timestamps_s, statuses }: FrameList, whole_s: num
 }
 
 // The frame that was sent last at this share of the recording; null when there is none.
-export function frameAt({ timestamps_s }: FrameList, whole_s: number, share: number): number | null {
+export function frameAt(
+  { timestamps_s }: FrameList,
+  whole_s: number,
+  share: number,
+): number | null {
   const start_s = timestamps_s.find((time_s) => time_s !== null) ?? 0;
   let found: number | null = null;
   for (let frame = 0; frame < timestamps_s.length; ++frame) {

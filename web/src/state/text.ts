@@ -1,4 +1,5 @@
-// States and quantities as texts that a person reads. One word per thing: scan, frame, submap, point.
+// States and quantities as texts that a person reads. One word per thing:
+// scan, frame, submap, point.
 import type { FrameEvent } from '../connection/events';
 import type { MeshFinish, ScanExport } from '../connection/exports';
 import type { Job } from '../connection/jobs';
@@ -65,7 +66,11 @@ function stageText(job: Pick<Job, 'stage' | 'done' | 'total'>): string {
 }
 
 export function trackingText(scan: LiveScan): StatusText {
-  if (scan.tracking === 'none') return { text: scan.phase === 'running' ? t.waitingForTheFirstFrame : t.noFrameYet, tone: 'quiet' };
+  if (scan.tracking === 'none')
+    return {
+      text: scan.phase === 'running' ? t.waitingForTheFirstFrame : t.noFrameYet,
+      tone: 'quiet',
+    };
   if (scan.tracking === 'tracked') return { text: t.tracking, tone: 'good' };
   const word = scan.tracking === 'weak' ? t.weak : t.lost;
   const why = scan.trackingReason ? `${word}: ${scan.trackingReason}` : word;
@@ -73,9 +78,11 @@ export function trackingText(scan: LiveScan): StatusText {
   return { text: t.goBackToWhatWasSeen(why, secondsText(scan.lostFor_s)), tone: 'bad' };
 }
 
-// How well it is known where the camera is: twice the standard deviation. Null when there is nothing to say, or it would be old news.
+// How well it is known where the camera is: twice the standard deviation. Null when there is
+// nothing to say, or it would be old news.
 export function positionText(scan: LiveScan): string | null {
-  if (scan.positionSigma_m === null || scan.phase !== 'running' || scan.connection !== 'open') return null;
+  if (scan.positionSigma_m === null || scan.phase !== 'running' || scan.connection !== 'open')
+    return null;
   return withinText(scan.positionSigma_m);
 }
 
@@ -85,7 +92,8 @@ export function wayBackLabel(frame: FrameEvent): string {
   return t.goBackToThisViewSeen(secondsText(frame.timestamp_s - frame.lastTracked.timestamp_s));
 }
 
-// In the place of the images while the camera is lost. `withImage`: the view to go back to is shown.
+// In the place of the images while the camera is lost. `withImage`: the
+// view to go back to is shown.
 export function lostText(withImage: boolean): string {
   return withImage ? t.cameraLostGoBackToThis : t.cameraLostItHasToGo;
 }
@@ -98,7 +106,8 @@ export function wayBackCaption({ lostFor_s }: Pick<LiveScan, 'lostFor_s'>): stri
 const eventShown_s = 8; // by the camera's clock
 const shownCorrection_m = 0.005; // less is not worth a word
 
-// What happened to the map lately, empty when nothing did. That the camera is lost the mark says already.
+// What happened to the map lately, empty when nothing did. That the camera is
+// lost the mark says already.
 export function eventText(scan: LiveScan): string {
   if (!scan.event || scan.timestamp_s - scan.event.timestamp_s > eventShown_s) return '';
   switch (scan.event.name) {
@@ -109,7 +118,9 @@ export function eventText(scan: LiveScan): string {
     case 'joined':
       return t.twoPartsOfTheMapAre;
     case 'loopClosed':
-      return isCorrected(scan.event) ? t.loopClosedTheMapWasCorrected(roundedUpText(scan.event.correction_m)) : t.loopClosedTheMapWasRight;
+      return isCorrected(scan.event)
+        ? t.loopClosedTheMapWasCorrected(roundedUpText(scan.event.correction_m))
+        : t.loopClosedTheMapWasRight;
     case 'recalibrated':
       return isCorrected(scan.event)
         ? t.calibrationWasCorrectedMapToo(roundedUpText(scan.event.correction_m))
@@ -119,7 +130,10 @@ export function eventText(scan: LiveScan): string {
   }
 }
 
-const isCorrected = ({ correction_m }: Pick<NonNullable<LiveScan['event']>, 'correction_m'>): boolean => correction_m >= shownCorrection_m;
+const isCorrected = ({
+  correction_m,
+}: Pick<NonNullable<LiveScan['event']>, 'correction_m'>): boolean =>
+  correction_m >= shownCorrection_m;
 
 // While a scan runs; when it has ended the server has a text for that.
 export function partsText(scan: LiveScan): string {
@@ -132,17 +146,27 @@ export function connectionText(scan: LiveScan): StatusText {
     case 'connecting':
       return { text: t.connecting, tone: 'busy' };
     case 'open':
-      return scan.snapshotComplete ? { text: t.connected, tone: 'good' } : { text: t.loading, tone: 'busy' };
+      return scan.snapshotComplete
+        ? { text: t.connected, tone: 'good' }
+        : { text: t.loading, tone: 'busy' };
     case 'waiting':
       return { text: t.reconnectingIn(secondsText(scan.retryIn_ms / 1000)), tone: 'warn' };
     case 'closed':
       if (scan.problem) return { text: t.closed, tone: 'bad' };
-      return scan.framesDropped > 0 ? { text: t.completeWithFramesLeftOut, tone: 'warn' } : { text: t.complete, tone: 'quiet' };
+      return scan.framesDropped > 0
+        ? { text: t.completeWithFramesLeftOut, tone: 'warn' }
+        : { text: t.complete, tone: 'quiet' };
   }
 }
 
 // Of a scan in the list.
-export function framesText({ frameCount, droppedCount }: { readonly frameCount: number; readonly droppedCount: number }): string {
+export function framesText({
+  frameCount,
+  droppedCount,
+}: {
+  readonly frameCount: number;
+  readonly droppedCount: number;
+}): string {
   if (droppedCount > 0) return t.ofFramesUsed(count(frameCount), count(frameCount + droppedCount));
   return framesNumber(frameCount);
 }
@@ -153,16 +177,21 @@ export function framesNumber(frames: number): string {
 
 // Of a scan that has ended, what it lacks, empty when nothing.
 export function leftOutText(scan: LiveScan): string {
-  if (scan.phase === 'running' || scan.framesDropped === 0 || scan.followed?.counts) return ''; // that knows which ones
+  // Where the list of frames was counted, it says more exactly which ones are missing.
+  if (scan.phase === 'running' || scan.framesDropped === 0 || scan.followed?.counts) return '';
   return t.ofFramesWereLeftOutSince(count(scan.framesDropped), count(scan.framesReceived));
 }
 
 // Of a running scan, what is in the model so far.
 export function soFarText(scan: LiveScan): string {
   if (scan.phase !== 'running' || scan.framesProcessed === 0) return '';
-  const soFar = scan.framesProcessed === 1 ? t.n1FrameSoFar : t.framesSoFar(count(scan.framesProcessed));
+  const soFar =
+    scan.framesProcessed === 1 ? t.n1FrameSoFar : t.framesSoFar(count(scan.framesProcessed));
   if (scan.framesDropped === 0) return soFar;
-  const dropped = scan.framesDropped === 1 ? t.n1WasLeftOutSinceNewer : t.wereLeftOutSinceNewerOnes(count(scan.framesDropped));
+  const dropped =
+    scan.framesDropped === 1
+      ? t.n1WasLeftOutSinceNewer
+      : t.wereLeftOutSinceNewerOnes(count(scan.framesDropped));
   return `${soFar} ${dropped}`;
 }
 
@@ -173,7 +202,9 @@ export function pointsText(scan: LiveScan): string {
   const shown = t.shownArePointsOneForEvery(count(scan.points));
   if (!scan.report?.cloudPoints) return shown;
   const all = t.theCloudToDownloadHasAll(count(scan.report.cloudPoints));
-  return scan.report.surfels ? t.theMapHasSurfelsThoseThat(shown, all, count(scan.report.surfels)) : `${shown} ${all}`;
+  return scan.report.surfels
+    ? t.theMapHasSurfelsThoseThat(shown, all, count(scan.report.surfels))
+    : `${shown} ${all}`;
 }
 
 // What stands in the middle of an otherwise empty image, null when there is something to see.
@@ -235,14 +266,20 @@ export function finishText({ simplify_um, triangles, fill_holes_mm, close }: Mes
   return [
     ...(simplify_um > 0 ? [t.simplifiedWithin(lengthText(simplify_um / 1e6))] : []),
     ...(triangles > 0 ? [t.atLeastTriangles(count(triangles))] : []),
-    ...(close ? [t.allHolesClosed] : fill_holes_mm > 0 ? [t.holesUpToFilled(lengthText(fill_holes_mm / 1000))] : []),
+    ...(close
+      ? [t.allHolesClosed]
+      : fill_holes_mm > 0
+        ? [t.holesUpToFilled(lengthText(fill_holes_mm / 1000))]
+        : []),
   ].join(', ');
 }
 
-// Behind the name of an export. `loaded_bytes`: how much of it has come, null when it is not being taken.
+// Behind the name of an export. `loaded_bytes`: how much of it has come, null
+// when it is not being taken.
 export function exportText(one: ScanExport, loaded_bytes: number | null): string {
   const share = (done: number): string => `${Math.floor(100 * Math.min(1, done))} %`;
-  if (loaded_bytes !== null) return t.loadingShare(share(loaded_bytes / Math.max(1, one.size_bytes)));
+  if (loaded_bytes !== null)
+    return t.loadingShare(share(loaded_bytes / Math.max(1, one.size_bytes)));
   switch (one.state) {
     case 'ready':
       return sizeText(one.size_bytes);

@@ -1,7 +1,12 @@
 import { describe, expect, it } from 'vitest';
 import { Trash, undoFor_ms, type Deleted } from './trash';
 
-function world(refuse = false): { trash: Trash; asked: string[]; failed: Deleted[]; pass: () => Promise<void> } {
+function world(refuse = false): {
+  trash: Trash;
+  asked: string[];
+  failed: Deleted[];
+  pass: () => Promise<void>;
+} {
   const asked: string[] = [];
   const failed: Deleted[] = [];
   const timers = new Map<number, () => void>();

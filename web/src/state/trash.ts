@@ -1,4 +1,5 @@
-// Scans that somebody has deleted a moment ago: they are gone from lists, and from the server only when there was time to take it back.
+// Scans that somebody has deleted a moment ago: they are gone from lists, and from the server only
+// when there was time to take it back.
 
 export const undoFor_ms = 6_000;
 
@@ -14,7 +15,10 @@ export interface TrashWorld {
 }
 
 export class Trash {
-  private readonly waiting = new Map<string, { readonly one: Deleted; readonly stop: () => void }>();
+  private readonly waiting = new Map<
+    string,
+    { readonly one: Deleted; readonly stop: () => void }
+  >();
   private readonly gone = new Set<string>(); // that the server was told of
 
   // `changed`: something came or went; `failed`: the server kept one, and says why.
@@ -35,7 +39,10 @@ export class Trash {
 
   put(one: Deleted): void {
     if (this.has(one.id)) return;
-    this.waiting.set(one.id, { one, stop: this.world.after(undoFor_ms, () => void this.empty(one.id, false)) });
+    this.waiting.set(one.id, {
+      one,
+      stop: this.world.after(undoFor_ms, () => void this.empty(one.id, false)),
+    });
     this.changed();
   }
 

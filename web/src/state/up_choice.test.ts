@@ -17,6 +17,14 @@ test('what was said of a scan stays, of the last hundred', () => {
 });
 
 test('what is no direction is none', () => {
-  for (const text of ['', '{', '{}', '[["a",[0,0,0]]]', '[["a",[0,-1]]]', '[["a",["0",-1,0]]]', '[[1,[0,-1,0]]]'])
+  for (const text of [
+    '',
+    '{',
+    '{}',
+    '[["a",[0,0,0]]]',
+    '[["a",[0,-1]]]',
+    '[["a",["0",-1,0]]]',
+    '[[1,[0,-1,0]]]',
+  ])
     expect(storedUp(storage(text), 'a')).toBeNull();
 });

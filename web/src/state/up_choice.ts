@@ -1,4 +1,5 @@
-// Which way is up in a scan, where somebody has said so: kept in this browser, of the scans that were last told.
+// Which way is up in a scan, where somebody has said so: kept in this browser, of the
+// scans that were last told.
 import type { Direction } from '../scene/gravity';
 
 const storedAs = 'hermite.up';
@@ -11,7 +12,11 @@ export function storedUp(storage: Pick<Storage, 'getItem'>, scanId: string): Dir
 }
 
 // Null: it is found again.
-export function storeUp(storage: Pick<Storage, 'getItem' | 'setItem'>, scanId: string, up: Direction | null): void {
+export function storeUp(
+  storage: Pick<Storage, 'getItem' | 'setItem'>,
+  scanId: string,
+  up: Direction | null,
+): void {
   const others = read(storage).filter(([id]) => id !== scanId);
   const chosen: Chosen = up ? [...others, [scanId, up]] : others;
   try {
@@ -31,7 +36,8 @@ function read(storage: Pick<Storage, 'getItem'>): Chosen {
 }
 
 function isEntry(value: unknown): boolean {
-  if (!Array.isArray(value) || typeof value[0] !== 'string' || !Array.isArray(value[1])) return false;
+  if (!Array.isArray(value) || typeof value[0] !== 'string' || !Array.isArray(value[1]))
+    return false;
   const up: unknown[] = value[1];
   return (
     up.length === 3 &&

@@ -14,11 +14,17 @@ export interface ViewOffer {
   readonly follow: boolean;
 }
 
-// `isTextured`: the finished surface that is seen, also while another one is made; null: there is none.
-export function viewOffer(options: ViewOptions, scan: LiveScan, isTextured: boolean | null): ViewOffer {
+// `isTextured`: the finished surface that is seen, also while another one is
+// made; null: there is none.
+export function viewOffer(
+  options: ViewOptions,
+  scan: LiveScan,
+  isTextured: boolean | null,
+): ViewOffer {
   const { phase, triangles, surfaceHasConfidences, framesReceived } = scan;
   const there = isTextured !== null;
-  const onSurface = (there || triangles > 0) && asksForSurface(options, !there && surfaceHasConfidences === true);
+  const onSurface =
+    (there || triangles > 0) && asksForSurface(options, !there && surfaceHasConfidences === true);
   const isOnPointsOnly = options.coverage && (there || surfaceHasConfidences === false);
   const running = phase === 'running';
   return {

@@ -10,7 +10,8 @@ export type ColorMode = (typeof colorModes)[number];
 export const meshColors = ['shaded', 'rgb', 'normal'] as const;
 export type MeshColor = (typeof meshColors)[number];
 
-export const pointSizeRange_percent = { min: 20, max: 300, step: 10 } as const; // of what leaves no gaps
+// A share of the size that leaves no gaps.
+export const pointSizeRange_percent = { min: 20, max: 300, step: 10 } as const;
 
 export interface ViewOptions {
   readonly show: Show; // the surface as soon as there is one
@@ -34,7 +35,8 @@ export const initialViewOptions: ViewOptions = {
   follow: false,
 };
 
-// Light helps to see the shape where there are only colours of points; an image on the surface has its own.
+// Light helps to see the shape where there are only colours of points; an image on
+// the surface has its own.
 export function shownMeshColor(options: ViewOptions, textured: boolean): MeshColor {
   return options.meshColor ?? (textured ? 'rgb' : 'shaded');
 }
@@ -44,9 +46,13 @@ export function asksForSurface({ show, coverage }: ViewOptions, hasConfidences: 
   return show === 'surface' && (!coverage || hasConfidences);
 }
 
-// What is shown is what is asked for. Until it is known what the surface that grows has (null), coverage is on points, and the surface is asked for to learn it.
+// What is shown is what is asked for. Until it is known what the surface that grows has (null),
+// coverage is on points, and the surface is asked for to learn it.
 export function watchOf(options: ViewOptions, hasConfidences: boolean | null): Watch {
-  return { points: !asksForSurface(options, hasConfidences === true), mesh: asksForSurface(options, hasConfidences !== false) };
+  return {
+    points: !asksForSurface(options, hasConfidences === true),
+    mesh: asksForSurface(options, hasConfidences !== false),
+  };
 }
 
 export function reduceViewOptions(options: ViewOptions, change: Partial<ViewOptions>): ViewOptions {

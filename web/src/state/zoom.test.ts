@@ -2,7 +2,10 @@ import { describe, expect, it } from 'vitest';
 import { wholePicture, zoomedBy, type Spot, type Zoom } from './zoom';
 
 const size = { width_px: 300, height_px: 200 };
-const inPicture = ({ scale, left_px, top_px }: Zoom, [x, y]: Spot): Spot => [(x - left_px) / scale, (y - top_px) / scale];
+const inPicture = ({ scale, left_px, top_px }: Zoom, [x, y]: Spot): Spot => [
+  (x - left_px) / scale,
+  (y - top_px) / scale,
+];
 
 describe('zoomedBy', () => {
   it('keeps what is between the fingers there', () => {
@@ -19,7 +22,11 @@ describe('zoomedBy', () => {
   it('never leaves a part of the frame empty', () => {
     const large = zoomedBy(wholePicture, 2, [0, 0], [0, 0], size);
     expect(zoomedBy(large, 1, [0, 0], [500, 500], size)).toEqual(large);
-    expect(zoomedBy(large, 1, [0, 0], [-5000, -5000], size)).toEqual({ scale: 2, left_px: -300, top_px: -200 });
+    expect(zoomedBy(large, 1, [0, 0], [-5000, -5000], size)).toEqual({
+      scale: 2,
+      left_px: -300,
+      top_px: -200,
+    });
     expect(zoomedBy(large, 0.01, [70, 80], [70, 80], size)).toEqual(wholePicture);
   });
 

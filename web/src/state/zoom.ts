@@ -1,4 +1,5 @@
-// How a picture is enlarged within its frame, which it always fills. Pixels are those of the frame, from its upper left corner.
+// How a picture is enlarged within its frame, which it always fills. Pixels are those of the frame,
+// from its upper left corner.
 
 export interface Zoom {
   readonly scale: number; // 1: all of it is seen
@@ -18,7 +19,13 @@ export const wholePicture: Zoom = { scale: 1, left_px: 0, top_px: 0 };
 const largest = 12;
 
 // What was at `from` comes to `to`, and everything is `by` times as large.
-export function zoomedBy(zoom: Zoom, by: number, from: Spot, to: Spot, { width_px, height_px }: Size): Zoom {
+export function zoomedBy(
+  zoom: Zoom,
+  by: number,
+  from: Spot,
+  to: Spot,
+  { width_px, height_px }: Size,
+): Zoom {
   const scale = Math.min(largest, Math.max(1, zoom.scale * by));
   const grown = scale / zoom.scale;
   return {

@@ -1,7 +1,8 @@
 // What a person reads, in German.
 import type { Texts, Value } from './en';
 
-// Where a sentence has numbers up to twelve as words. From two on they stay the same before a noun, except in the genitive.
+// Where a sentence has numbers up to twelve as words. From two on they stay the same before a
+// noun, except in the genitive.
 const numerals: Readonly<Record<string, string>> = {
   2: 'zwei',
   3: 'drei',
@@ -16,10 +17,12 @@ const numerals: Readonly<Record<string, string>> = {
   12: 'zwölf',
 };
 const words = (number: Value): Value => numerals[number] ?? number;
-const often = (times: Value): string => (numerals[times] === undefined ? `${times}-mal` : `${numerals[times]}mal`);
+const often = (times: Value): string =>
+  numerals[times] === undefined ? `${times}-mal` : `${numerals[times]}mal`;
 
 export const de: Texts = {
-  aClickIntoTheStripOpens: 'Ein Klick in den Streifen öffnet das Modell mit den Bildern dieses Moments.',
+  aClickIntoTheStripOpens:
+    'Ein Klick in den Streifen öffnet das Modell mit den Bildern dieses Moments.',
   aClipBoxAndSectionsTo: 'Ein Ausschnitt und Schnitte zum Zeichnen und Herunterladen (X)',
   added: 'Hinzugekommen',
   aDrawingOnPaperWithIts: 'Eine Zeichnung auf Papier, mit Maßstab',
@@ -31,7 +34,8 @@ export const de: Texts = {
   aNewPartOfTheMap: 'Ein neuer Teil der Karte beginnt.',
   aNoteHasAtLeastOne: 'Eine Notiz hat mindestens einen Buchstaben.',
   aScanHasAtMostTags: (first: Value) => `Eine Aufnahme hat höchstens ${first} Schlagworte.`,
-  aShareLinkShowsOneScan: 'Ein geteilter Link zeigt einen Scan und keinen Vergleich mit einem anderen.',
+  aShareLinkShowsOneScan:
+    'Ein geteilter Link zeigt einen Scan und keinen Vergleich mit einem anderen.',
   aTitleHasAtLeastOne: 'Ein Titel hat mindestens einen Buchstaben.',
   accessToken: 'Zugangs-Token',
   actionsFor: (first: Value) => `Aktionen für ${first}`,
@@ -72,7 +76,8 @@ export const de: Texts = {
   byWithinOn: (first: Value, second: Value, third: Value) => `${first} ± ${second}, ${third}`,
   calibrationWasCorrectedMapToo: (first: Value) =>
     `Die Kalibrierung der Kamera war falsch und ist korrigiert: Die Karte wurde um bis zu ${first} korrigiert.`,
-  calibrationWasCorrectedMapWasRight: 'Die Kalibrierung der Kamera war falsch und ist korrigiert: Die Karte stimmte.',
+  calibrationWasCorrectedMapWasRight:
+    'Die Kalibrierung der Kamera war falsch und ist korrigiert: Die Karte stimmte.',
   camera: 'Kamera',
   cameraLostGoBackToThis: 'Kamera verloren. Zurück zu dieser Ansicht:',
   cameraLostItHasToGo: 'Kamera verloren. Sie muss zur roten Stelle zurück.',
@@ -81,7 +86,8 @@ export const de: Texts = {
   changes: 'Änderungen',
   changesFromOnAreShown: (first: Value) =>
     `Gezeigt werden Änderungen ab ${first}, wo sie sicher sind; ± sind 95-%-Intervalle. Näher und weiter weg ist aus Sicht der Kamera.`,
-  changesOnM2: (first: Value, second: Value) => `${first} Änderungen auf ${second} m², die beide Scans gesehen haben.`,
+  changesOnM2: (first: Value, second: Value) =>
+    `${first} Änderungen auf ${second} m², die beide Scans gesehen haben.`,
   changeTheText: 'Den Text ändern.',
   changedAndNotRemoved: 'Jemand hat diese Notiz inzwischen geändert: Sie wurde nicht entfernt.',
   changesTheText: 'Ändert den Text',
@@ -132,10 +138,12 @@ export const de: Texts = {
   cornersToCloseTheOutlineClick: (first: Value) =>
     `${first} Ecken. Zum Schließen auf die erste klicken, doppelklicken oder die Eingabetaste drücken.`,
   correctionsOfTheWholeMap: 'Korrekturen der ganzen Karte',
-  couldNotBeDeleted: (first: Value, second: Value) => `„${first}“ konnte nicht gelöscht werden. ${second}`,
+  couldNotBeDeleted: (first: Value, second: Value) =>
+    `„${first}“ konnte nicht gelöscht werden. ${second}`,
   countOf: (first: Value, second: Value) => `${first} von ${second}`,
   coverage: 'Abdeckung',
-  coverageWhatWasScannedWellWhat: 'Abdeckung: was gut erfasst ist, was noch einmal angesehen werden muss',
+  coverageWhatWasScannedWellWhat:
+    'Abdeckung: was gut erfasst ist, was noch einmal angesehen werden muss',
   damagedOnTheServersDisk: 'Auf der Platte des Servers beschädigt',
   delay: (first: Value) => `Verzögerung: ${first}`,
   delete: 'Löschen',
@@ -150,7 +158,8 @@ export const de: Texts = {
   doubleClick: 'Doppelklick',
   doubtful: 'Unsicher',
   doubtfulAt: (first: Value) => `${first}, unsicher`,
-  doubtfulForNearlyLost: (first: Value, second: Value) => `unsicher für ${first}: ${second} fast verloren, aber im Modell`,
+  doubtfulForNearlyLost: (first: Value, second: Value) =>
+    `unsicher für ${first}: ${second} fast verloren, aber im Modell`,
   download: 'Laden',
   downloadCsv: 'CSV laden',
   downloads: 'Downloads',
@@ -159,16 +168,19 @@ export const de: Texts = {
   dropARecordingHereOrStream:
     'Eine Aufzeichnung hierher ziehen, oder eine senden, oder das künstliche Zimmer: Sie erscheint hier, während sie wächst:',
   dropped: 'Ausgelassen',
-  eachFrameThatSeesAPlace: 'Jedes Bild zählt, das eine Stelle gut sieht. Was kein Bild gesehen hat, fehlt im Modell.',
+  eachFrameThatSeesAPlace:
+    'Jedes Bild zählt, das eine Stelle gut sieht. Was kein Bild gesehen hat, fehlt im Modell.',
   edges: 'Kanten',
   edit: 'Ändern',
   editsTakenOut: (first: Value) =>
     `${first === 1 ? 'Eine Änderung hat' : `${first} Änderungen haben`} etwas herausgenommen. Die Aufnahme selbst behält es, auch für alle mit einem Link.`,
   esc: 'Esc',
-  everybodyWhoSeesThisScanCan: 'Alle, die diese Aufnahme sehen, können sie lesen, auch mit einem Freigabelink.',
+  everybodyWhoSeesThisScanCan:
+    'Alle, die diese Aufnahme sehen, können sie lesen, auch mit einem Freigabelink.',
   expectedErrorOfThePath: 'Erwarteter Fehler des Wegs',
   extent: 'Ausdehnung',
-  extentOfTheModel: (first: Value, second: Value, third: Value) => `${first} × ${second}, ${third} hoch`,
+  extentOfTheModel: (first: Value, second: Value, third: Value) =>
+    `${first} × ${second}, ${third} hoch`,
   eyeDomeLightingOfPoints: 'Kantenlicht für Punkte',
   eyeDomeLightingPointsAreDarker: 'Kantenlicht: Hinter Kanten sind Punkte dunkler (E)',
   failed: 'Fehlgeschlagen',
@@ -196,14 +208,18 @@ export const de: Texts = {
   frameBefore: 'Bild zurück',
   frameBeforeNextFramePlayOn: 'Bild zurück, Bild vor, abspielen; auf dem Regler der Bilder',
   frameNumber: (first: Value) => `Bild ${first}`,
-  frameOf: (first: Value, second: Value, third: Value, fourth: Value) => `Bild ${first} von ${second}, ${third}, ${fourth}`,
+  frameOf: (first: Value, second: Value, third: Value, fourth: Value) =>
+    `Bild ${first} von ${second}, ${third}, ${fourth}`,
   frameOfLast: (first: Value, second: Value) => `Bild ${first} / ${second}`,
   frames: 'Bilder',
-  framesAreDamagedOnTheServers: (first: Value) => `${first} Bilder sind auf der Platte des Servers beschädigt.`,
+  framesAreDamagedOnTheServers: (first: Value) =>
+    `${first} Bilder sind auf der Platte des Servers beschädigt.`,
   framesCount: (first: Value) => `${first} Bilder`,
   framesSoFar: (first: Value) => `Bisher ${first} Bilder.`,
-  framesWereLeftOutSinceNewer: (first: Value) => `${first} Bilder wurden ausgelassen, weil neuere kamen, bevor der Server Zeit hatte.`,
-  framesWereRefusedTheirTimes: (first: Value) => `${first} Bilder wurden abgelehnt: Ihre Zeit lag nicht nach der des jeweils vorigen.`,
+  framesWereLeftOutSinceNewer: (first: Value) =>
+    `${first} Bilder wurden ausgelassen, weil neuere kamen, bevor der Server Zeit hatte.`,
+  framesWereRefusedTheirTimes: (first: Value) =>
+    `${first} Bilder wurden abgelehnt: Ihre Zeit lag nicht nach der des jeweils vorigen.`,
   fromAbove: 'Von oben',
   fromTo: (first: Value, second: Value) => `${first} bis ${second}`,
   fromWhenTheServerHasA:
@@ -211,7 +227,8 @@ export const de: Texts = {
   goBackHere: 'Hierher zurück',
   goBackHereSeenAgo: (first: Value) => `Hierher zurück, vor ${first}`,
   goBackToThisViewSeen: (first: Value) => `Hierher zurück, gesehen vor ${first}`,
-  goBackToWhatWasSeen: (first: Value, second: Value) => `${first} – zurück zu dem, was vor ${second} zu sehen war`,
+  goBackToWhatWasSeen: (first: Value, second: Value) =>
+    `${first} – zurück zu dem, was vor ${second} zu sehen war`,
   goOnScanning: 'Weiter scannen',
   groundPlan: 'Grundfläche',
   height: 'Höhe',
@@ -221,7 +238,8 @@ export const de: Texts = {
   horizontalSectionAt: (first: Value) => `waagerechter Schnitt bei ${first}`,
   hoursAgo: (first: Value) => `vor ${first} Stunden`,
   howBothAreShown: 'Wie beide Scans gezeigt werden',
-  howWellTheCameraWasFollowed: 'Wie gut die Kamera verfolgt wurde, ist in dieser Aufnahme nicht festgehalten.',
+  howWellTheCameraWasFollowed:
+    'Wie gut die Kamera verfolgt wurde, ist in dieser Aufnahme nicht festgehalten.',
   images: (first: Value) => `Bilder ${first}`,
   imported: 'Importiert',
   inACompareOneOver: 'Im Vergleich: übereinander oder nebeneinander',
@@ -233,7 +251,8 @@ export const de: Texts = {
   inTheBestPositionAgrees: (first: Value, second: Value) =>
     `In der besten gefundenen Lage stimmen ${first} % dessen überein, was beide gesehen haben, und ${second} % des kleineren Scans liegen im anderen.`,
   inThisFrameLessThan1Percent: 'In diesem Bild haben weniger als 1 % der Pixel eine Tiefe',
-  inThisFramePercentOfThePixels: (first: Value) => `In diesem Bild haben ${first} % der Pixel eine Tiefe`,
+  inThisFramePercentOfThePixels: (first: Value) =>
+    `In diesem Bild haben ${first} % der Pixel eine Tiefe`,
   inThisFrameTheImageIsNearlyBlack: 'Dieses Bild ist fast schwarz',
   inThisFrameTheImageIsNearlyWhite: 'Dieses Bild ist fast weiß',
   inThisFrameThereIsNoDepth: 'In diesem Bild gibt es keine Tiefe',
@@ -242,17 +261,21 @@ export const de: Texts = {
   itCannotBeRead: 'Er ist nicht lesbar.',
   itCouldNotBeLoaded: 'sie konnte nicht geladen werden',
   itIsDoubtful: 'es ist unsicher',
-  itPrintedALinkWithThe: 'Beim Start hat er einen Link mit dem Token ausgegeben. Diesen Link öffnen oder das Token hier einfügen.',
+  itPrintedALinkWithThe:
+    'Beim Start hat er einen Link mit dem Token ausgegeben. Diesen Link öffnen oder das Token hier einfügen.',
   itsDepthRedIsNearBlue: 'Ihre Tiefe: Rot ist nah, Blau ist fern',
   itsImageIsOnItsWay: 'Das Bild kommt gleich.',
   itWasLostInFrames: (first: Value) => `In ${first} Bildern war sie verloren.`,
   itWasLostInOneFrame: 'In einem Bild war sie verloren.',
   itWasLostOnce: (first: Value) => `Sie ging einmal verloren, für ${first}.`,
-  itWasLostOnceToTheEnd: (first: Value) => `Sie ging einmal verloren, für ${first}, und wurde bis zum Ende nicht wiedergefunden.`,
-  itWasLostTimes: (first: Value, second: Value) => `Sie ging ${often(first)} verloren, insgesamt für ${second}.`,
+  itWasLostOnceToTheEnd: (first: Value) =>
+    `Sie ging einmal verloren, für ${first}, und wurde bis zum Ende nicht wiedergefunden.`,
+  itWasLostTimes: (first: Value, second: Value) =>
+    `Sie ging ${often(first)} verloren, insgesamt für ${second}.`,
   itWasLostTimesToTheEnd: (first: Value, second: Value) =>
     `Sie ging ${often(first)} verloren, insgesamt für ${second}, und wurde bis zum Ende nicht wiedergefunden.`,
-  itsPathShouldBeRightTo: (first: Value) => `Ihr Weg dürfte auf etwa ${first} stimmen, von der Kalibrierung abgesehen.`,
+  itsPathShouldBeRightTo: (first: Value) =>
+    `Ihr Weg dürfte auf etwa ${first} stimmen, von der Kalibrierung abgesehen.`,
   justNow: 'gerade eben',
   keep: 'Behalten',
   keepBoth: 'Beide behalten',
@@ -286,7 +309,8 @@ export const de: Texts = {
   lookingRight: 'Blick nach rechts',
   lookThrough: 'Hindurchsehen',
   lookThroughTheCamera: 'Durch die Kamera sehen',
-  loopClosedTheMapWasCorrected: (first: Value) => `Schleife geschlossen: Die Karte wurde um bis zu ${first} korrigiert.`,
+  loopClosedTheMapWasCorrected: (first: Value) =>
+    `Schleife geschlossen: Die Karte wurde um bis zu ${first} korrigiert.`,
   loopClosedTheMapWasRight: 'Schleife geschlossen: Die Karte stimmte.',
   loops: 'Schleifen',
   loopsClosed: 'Geschlossene Schleifen',
@@ -294,18 +318,22 @@ export const de: Texts = {
   lost: 'Verloren',
   lostAndFoundAgain: 'Verloren und wiedergefunden',
   lostAt: (first: Value) => `${first}, verloren`,
-  lostForNotInTheModel: (first: Value, second: Value) => `verloren für ${first}: ${second} nicht im Modell`,
+  lostForNotInTheModel: (first: Value, second: Value) =>
+    `verloren für ${first}: ${second} nicht im Modell`,
   lostNotUsedShownWhereIt: 'Verloren: nicht verwendet, gezeigt am letzten Ort',
   lostTimesNotInTheModel: (first: Value, second: Value, third: Value) =>
     `${often(first)} verloren, insgesamt für ${second}: ${third} nicht im Modell`,
   lowConfidence: 'Geringe Konfidenz',
   m2: (first: Value) => `${first} m²`,
-  m2WereNotSeenByThe: (first: Value) => `${first} m² des ersten Scans hat der zweite nicht gesehen.`,
+  m2WereNotSeenByThe: (first: Value) =>
+    `${first} m² des ersten Scans hat der zweite nicht gesehen.`,
   madeWithOptions: 'Mit Optionen erstellt',
   makeIt: 'Erstellen',
-  makesALinkWithWhichOthers: 'Erstellt einen Link, mit dem andere diese Aufnahme, ihre Notizen und Messungen ansehen können',
+  makesALinkWithWhichOthers:
+    'Erstellt einen Link, mit dem andere diese Aufnahme, ihre Notizen und Messungen ansehen können',
   makesTheBoxAsLargeAs: 'Macht den Quader so groß wie das Modell',
-  makesWhatIsSeenFromBehind: 'Macht durchsichtig, was man von hinten sieht, damit Wände das Zimmer nicht verdecken',
+  makesWhatIsSeenFromBehind:
+    'Macht durchsichtig, was man von hinten sieht, damit Wände das Zimmer nicht verdecken',
   measure: 'Messen',
   measureDistancesHeightsAnglesAndAreas: 'Abstände, Höhen, Winkel und Flächen messen',
   measuresDistancesHeightsAnglesAndAreas: 'Misst Abstände, Höhen, Winkel und Flächen (M)',
@@ -336,14 +364,18 @@ export const de: Texts = {
   noEdits: 'Es wurde nichts herausgenommen.',
   noFramesAt: (first: Value) => `${first}, keine Bilder`,
   noFrameWasProcessed: 'Kein Bild wurde verarbeitet.',
-  nobodyHasComparedTheseScansYet: 'Diese Scans hat noch niemand verglichen, und dieses Zugangstoken darf es nicht verlangen.',
+  nobodyHasComparedTheseScansYet:
+    'Diese Scans hat noch niemand verglichen, und dieses Zugangstoken darf es nicht verlangen.',
   noFrameYet: 'Noch kein Bild',
   noNewFrameFor: (first: Value) => `Seit ${first} kein neues Bild`,
   noScansYet: 'Noch keine Aufnahmen.',
   noSection: 'Kein Schnitt',
-  nothingCouldBeCalledAdded: 'Nichts kann hinzugekommen heißen: Wo die Kamera des ersten Scans war, ist nicht bekannt.',
-  nothingCouldBeCalledRemoved: 'Nichts kann entfernt heißen: Wo die Kamera des zweiten Scans war, ist nicht bekannt.',
-  nothingHasChangedOnM2: (first: Value) => `Auf ${first} m², die beide Scans gesehen haben, hat sich nichts geändert.`,
+  nothingCouldBeCalledAdded:
+    'Nichts kann hinzugekommen heißen: Wo die Kamera des ersten Scans war, ist nicht bekannt.',
+  nothingCouldBeCalledRemoved:
+    'Nichts kann entfernt heißen: Wo die Kamera des zweiten Scans war, ist nicht bekannt.',
+  nothingHasChangedOnM2: (first: Value) =>
+    `Auf ${first} m², die beide Scans gesehen haben, hat sich nichts geändert.`,
   noTime: 'keine Zeit',
   noTitleHasInIt: (first: Value) => `Kein Titel enthält „${first}“.`,
   normals: 'Normalen',
@@ -363,13 +395,15 @@ export const de: Texts = {
   ofFramesUsed: (first: Value, second: Value) => `${first} von ${second} Bildern verwendet`,
   ofFramesWereLeftOutSince: (first: Value, second: Value) =>
     `${first} von ${second} Bildern wurden ausgelassen, weil neuere kamen, bevor der Server dafür Zeit hatte.`,
-  ofLargeCloudsSomePointsAre: 'Von großen Punktwolken wird ein Teil gezeigt; Downloads haben alle Punkte.',
+  ofLargeCloudsSomePointsAre:
+    'Von großen Punktwolken wird ein Teil gezeigt; Downloads haben alle Punkte.',
   ofLinesAtScale: (first: Value, second: Value) => `1:${first}, ${second} Linien`,
   ofLinesIn: (first: Value, second: Value) => `${first} Linien in ${second}.`,
   ofTheChunksCouldNotBe: (first: Value) => `${first} der Stücke ließen sich nicht entschlüsseln.`,
   ofTheGroundPlan: (first: Value) => `${first} der Grundfläche`,
   ofThemAreDoubtful: (first: Value) => `${first} davon sind unsicher`,
-  ofThemAreDoubtfulFor: (first: Value, second: Value) => `${first} davon sind unsicher, insgesamt für ${second}`,
+  ofThemAreDoubtfulFor: (first: Value, second: Value) =>
+    `${first} davon sind unsicher, insgesamt für ${second}`,
   ofTheModelsTheServerTakes: (first: Value, second: Value, third: Value, fourth: Value) =>
     `${first} Von den ${second} des Modells braucht der Server ${third}, der Weg und dieser Browser ${fourth}.`,
   ofThePoints: (first: Value) => `${first} der Punkte`,
@@ -380,10 +414,12 @@ export const de: Texts = {
   oneAfterTheOtherAsTwo: 'Hintereinander; als zwei Notizen, wenn das für eine zu lang ist',
   oneChangeOnM2: (first: Value) => `Eine Änderung auf ${first} m², die beide Scans gesehen haben.`,
   oneFrameIsDamagedOnThe: 'Ein Bild ist auf der Platte des Servers beschädigt.',
-  oneFrameWasLeftOutSince: 'Ein Bild wurde ausgelassen, weil neuere kamen, bevor der Server Zeit hatte.',
+  oneFrameWasLeftOutSince:
+    'Ein Bild wurde ausgelassen, weil neuere kamen, bevor der Server Zeit hatte.',
   oneFrameWasRefusedItsTime: 'Ein Bild wurde abgelehnt: Seine Zeit lag nicht nach der des vorigen.',
   oneMorePlace: 'Eine weitere Stelle',
-  oneOfBothScansHasBeen: 'Einer der beiden Scans wurde gelöscht. Was hier zu sehen ist, wurde vorher geladen.',
+  oneOfBothScansHasBeen:
+    'Einer der beiden Scans wurde gelöscht. Was hier zu sehen ist, wurde vorher geladen.',
   oneOfThemIsDoubtful: 'eines davon ist unsicher',
   oneOfThemIsDoubtfulFor: (first: Value) => `eines davon ist unsicher, für ${first}`,
   oneOfTheScansIsMirrored:
@@ -431,8 +467,10 @@ export const de: Texts = {
   removesPartsSmallerThan:
     'Nimmt Teile der Oberfläche heraus, die mit nichts verbunden und kleiner als das sind, hier und in Downloads. Es lässt sich rückgängig machen',
   removesTheNoteItCanBe: 'Entfernt die Notiz; das lässt sich kurz zurücknehmen',
-  removesWhatIsInside: 'Nimmt heraus, was im Quader liegt, hier und in Downloads. Es lässt sich rückgängig machen',
-  removesWhatIsOutside: 'Nimmt heraus, was außerhalb des Quaders liegt, hier und in Downloads. Es lässt sich rückgängig machen',
+  removesWhatIsInside:
+    'Nimmt heraus, was im Quader liegt, hier und in Downloads. Es lässt sich rückgängig machen',
+  removesWhatIsOutside:
+    'Nimmt heraus, was außerhalb des Quaders liegt, hier und in Downloads. Es lässt sich rückgängig machen',
   rename: 'Umbenennen',
   reset: 'Zurücksetzen',
   ridesBehindTheScanningCamera: 'Fährt hinter der Kamera her',
@@ -452,7 +490,8 @@ export const de: Texts = {
   sectionPlane: 'Schnittebene',
   seeInside: 'Hineinsehen',
   sending: (first: Value, second: Value) => `${first} wird gesendet: ${second} %`,
-  sendingWaitingForTheServer: (first: Value, second: Value) => `${first} wird gesendet: ${second} %, wartet auf den Server`,
+  sendingWaitingForTheServer: (first: Value, second: Value) =>
+    `${first} wird gesendet: ${second} %, wartet auf den Server`,
   setTheFloor: 'Boden festlegen',
   shaded: 'Schattiert',
   embed: 'In eine Seite einbetten',
@@ -468,23 +507,28 @@ export const de: Texts = {
   theFloorPlanOfAFinished: 'Der Grundriss, von einem fertigen Scan',
   thePlanAsNumbers: 'Der Plan als Zahlen, für Programme',
   thePlanIsBeingMade: 'Der Plan wird gezeichnet …',
-  thereAreAsManyEditsAs: 'Die Aufnahme hat so viele Änderungen, wie sie haben kann. Zuerst eine rückgängig machen.',
-  theTagIsLongerThanBytes: (first: Value, second: Value) => `Das Schlagwort „${first}“ ist länger als ${second} Bytes.`,
-  whoeverReadsThePageSees: (days: number) => `Wer die Seite liest, sieht diese Aufnahme, ${days} Tage lang.`,
+  thereAreAsManyEditsAs:
+    'Die Aufnahme hat so viele Änderungen, wie sie haben kann. Zuerst eine rückgängig machen.',
+  theTagIsLongerThanBytes: (first: Value, second: Value) =>
+    `Das Schlagwort „${first}“ ist länger als ${second} Bytes.`,
+  whoeverReadsThePageSees: (days: number) =>
+    `Wer die Seite liest, sieht diese Aufnahme, ${days} Tage lang.`,
   openInHermite: 'In Hermite öffnen',
   share: 'Teilen',
   showAll: 'Alles zeigen',
   showsItInThePicture: 'Zeigt es im Bild',
   showTheWholeScan: 'Ganze Aufnahme zeigen',
   shownArePointsOneForEvery: (first: Value) => `Gezeigt werden ${first} Punkte, einer alle 5 mm.`,
-  showsOnlyWhatIsInsideOf: 'Zeigt nur, was in einem Quader liegt; die Punkte auf seinen Flächen lassen sich ziehen',
+  showsOnlyWhatIsInsideOf:
+    'Zeigt nur, was in einem Quader liegt; die Punkte auf seinen Flächen lassen sich ziehen',
   showsTheWholeScanF: 'Zeigt die ganze Aufnahme (F)',
   showsThisScanFor7Days: 'Zeigt diese Aufnahme 7 Tage lang:',
   sideBySide: 'Nebeneinander',
   simplifiedWithin: (first: Value) => `auf ${first} vereinfacht`,
   size: 'Größe',
   someOfWhatIsShownIs: 'Manches ist noch von vorher, während der Server die Aufnahme neu aufbaut.',
-  somebodyHasRemovedThisNoteMeanwhile: 'Jemand hat diese Notiz inzwischen entfernt. „Speichern“ schreibt sie als neue.',
+  somebodyHasRemovedThisNoteMeanwhile:
+    'Jemand hat diese Notiz inzwischen entfernt. „Speichern“ schreibt sie als neue.',
   stageOf: (first: Value, second: Value, third: Value) => `${first} ${second} von ${third}`,
   state: 'Zustand',
   status: 'Status',
@@ -499,11 +543,14 @@ export const de: Texts = {
   thatDidNotWork: 'Das hat nicht geklappt.',
   theBoxAndThePlaneStay: 'Quader und Ebene bleiben (Esc)',
   theCamera: 'Die Kamera',
-  theCameraCouldNotBeFollowedInAny: (first: Value) => `Die Kamera konnte in keinem von ${first} Bildern verfolgt werden.`,
+  theCameraCouldNotBeFollowedInAny: (first: Value) =>
+    `Die Kamera konnte in keinem von ${first} Bildern verfolgt werden.`,
   theCameraCouldNotBeFollowedInTheOnly: 'Die Kamera konnte im einzigen Bild nicht verfolgt werden.',
   theCameraIsBeingFollowed: 'Die Kamera wird verfolgt.',
-  theCameraWasFollowedInAll: (first: Value) => `Die Kamera wurde in allen ${first} Bildern verfolgt`,
-  theCameraWasFollowedInOf: (first: Value, second: Value) => `Die Kamera wurde in ${first} von ${second} Bildern verfolgt`,
+  theCameraWasFollowedInAll: (first: Value) =>
+    `Die Kamera wurde in allen ${first} Bildern verfolgt`,
+  theCameraWasFollowedInOf: (first: Value, second: Value) =>
+    `Die Kamera wurde in ${first} von ${second} Bildern verfolgt`,
   theCameraWasFollowedInTheOnly: 'Die Kamera wurde im einzigen Bild verfolgt',
   theCloudToDownloadHasAll: (first: Value) => `Die Punktwolke zum Herunterladen hat alle ${first}.`,
   theComparisonCannotBeShown: 'Der Vergleich kann nicht gezeigt werden.',
@@ -512,7 +559,8 @@ export const de: Texts = {
   theDownloadWasCutOff: 'Der Download ist abgebrochen.',
   theExtentIsAlongAndAcross:
     'Die Ausdehnung ist in der Richtung gemessen, in welche die meisten senkrechten Flächen zeigen, und quer dazu.',
-  theFirstPointsAppearAsSoon: 'Die ersten Punkte erscheinen, sobald eine Oberfläche oft genug gesehen wurde.',
+  theFirstPointsAppearAsSoon:
+    'Die ersten Punkte erscheinen, sobald eine Oberfläche oft genug gesehen wurde.',
   theFirstScanIsInParts: (first: Value) =>
     `Der erste Scan hat ${first} Teile, zwischen denen die Kamera verloren war: Wie sie zueinander liegen, ist nicht bekannt und zählt als Änderung.`,
   theFramesCouldNotBeLoaded: 'Die Bilder konnten nicht geladen werden.',
@@ -527,7 +575,8 @@ export const de: Texts = {
   theMap: 'Die Karte',
   theMapHasSurfelsThoseThat: (first: Value, second: Value, third: Value) =>
     `${first} ${second} Die Karte hat ${third} Surfel; die selten gesehenen sind in keiner von beiden.`,
-  theMapIsInPartsThey: (first: Value) => `Die Karte hat ${first} Teile: Sie werden verbunden, wenn die Kamera beide sieht.`,
+  theMapIsInPartsThey: (first: Value) =>
+    `Die Karte hat ${first} Teile: Sie werden verbunden, wenn die Kamera beide sieht.`,
   theModel: 'Das Modell',
   theModelIsInParts: (first: Value) =>
     `Das Modell besteht aus ${words(first)} Teilen, die nie verbunden wurden: Wie sie zueinander liegen, ist nicht bekannt.`,
@@ -547,23 +596,27 @@ export const de: Texts = {
   thereAreNoUprightSurfacesCamera:
     'Es gibt keine senkrechten Flächen, nach denen sich die Ausdehnung richten könnte: Sie ist in der Richtung gemessen, in welche die Kamera im ersten Bild sah, und quer dazu.',
   thereIsNoModelNothingWas: 'Es gibt kein Modell: Nichts wurde oft genug gesehen.',
-  theReasonOfAPlaceIs: 'Der Grund einer Stelle ist, was der Server am häufigsten zu ihren Bildern gesagt hat.',
+  theReasonOfAPlaceIs:
+    'Der Grund einer Stelle ist, was der Server am häufigsten zu ihren Bildern gesagt hat.',
   theScansAreTooSmallOrToo:
     'Die beiden Scans stimmen überein, sind aber zu klein für einen Vergleich, oder ihre Punkte liegen zu weit auseinander.',
   theSecondScanIsInParts: (first: Value) =>
     `Der zweite Scan hat ${first} Teile, zwischen denen die Kamera verloren war: Wie sie zueinander liegen, ist nicht bekannt und zählt als Änderung.`,
   thereIsNoOtherScanThat: 'Es gibt keinen anderen Scan, der beendet ist.',
-  thereIsNoPictureOfBoth: 'Es gibt kein Bild von beiden, denn wie sie zueinander liegen, ist nicht bekannt.',
+  thereIsNoPictureOfBoth:
+    'Es gibt kein Bild von beiden, denn wie sie zueinander liegen, ist nicht bekannt.',
   theScanInThreeDimensionsArrow:
     'Die Aufnahme in drei Dimensionen. Pfeiltasten verschieben, Plus und Minus zoomen, das Fragezeichen sagt mehr.',
   theScanIsLargerThanThis: 'Die Aufnahme ist größer, als diese Seite zeigen kann; Teile fehlen.',
   theScanIsRunningThisPage: 'Die Aufnahme läuft. Sobald sie beendet ist, füllt sich diese Seite.',
   theScansCanSlideAlongEach:
     'Die Scans können aneinander entlanggleiten: Was beide gesehen haben, etwa zwei parallele Wände, hält sie in einer Richtung nicht.',
-  theScansLieToEachOther: (first: Value) => `Wie die Scans zueinander liegen, ist auf ${first} bekannt (95 %).`,
+  theScansLieToEachOther: (first: Value) =>
+    `Wie die Scans zueinander liegen, ist auf ${first} bekannt (95 %).`,
   theScansReportCouldNotBe: (first: Value) =>
     `Der Bericht der Aufnahme konnte nicht geladen werden, daher fehlt hier, was er sagt: wie gut die Kamera verfolgt wurde, ob das Modell in Teile zerfällt und ob die Kalibrierung passt. ${first}`,
-  theSectionCanBeDownloadedWhen: 'Der Schnitt lässt sich herunterladen, wenn die Oberfläche fertig ist.',
+  theSectionCanBeDownloadedWhen:
+    'Der Schnitt lässt sich herunterladen, wenn die Oberfläche fertig ist.',
   theServerAnsweredWithHttp: (first: Value) => `Der Server hat mit HTTP ${first} geantwortet.`,
   theServerAsksToWaitA: 'Der Server bittet, kurz zu warten.',
   theServerCannotBeReached: 'Der Server ist nicht erreichbar.',
@@ -572,7 +625,8 @@ export const de: Texts = {
   theServerDoesNotHaveThis: 'Der Server hat das nicht.',
   theServerDoesNotMakeIt: 'der Server erstellt sie nicht',
   theServerSays: (first: Value) => `Der Server meldet: ${first}.`,
-  theServerWasNotThereFor: (first: Value) => `Der Server war zu lange nicht da. ${first} noch einmal hinzufügen, dann geht es hier weiter.`,
+  theServerWasNotThereFor: (first: Value) =>
+    `Der Server war zu lange nicht da. ${first} noch einmal hinzufügen, dann geht es hier weiter.`,
   theServersAnswerCannotBeRead: 'Die Antwort des Servers ist nicht lesbar.',
   theServersListOfExportsCannot: 'Die Liste der Exporte vom Server ist nicht lesbar.',
   theServersListOfFramesCannot: 'Die Liste der Bilder vom Server ist nicht lesbar.',
@@ -586,13 +640,15 @@ export const de: Texts = {
   thereAreNoNotes: 'Es gibt keine Notizen.',
   thereIsNoFrame: 'Es gibt kein Bild.',
   thereIsNoImage: 'Es gibt kein Bild.',
-  thereIsNoSurfaceOfThis: (first: Value) => `Von dieser Aufnahme gibt es keine Oberfläche: ${first}.`,
+  thereIsNoSurfaceOfThis: (first: Value) =>
+    `Von dieser Aufnahme gibt es keine Oberfläche: ${first}.`,
   thereIsNoSurfaceThatCould: 'Es gibt keine Oberfläche zum Schneiden.',
   thereIsNothingClickOnA: 'Dort ist nichts: Auf eine Oberfläche klicken.',
   theyCouldNotBeCompared: (first: Value) => `Sie konnten nicht verglichen werden: ${first}`,
   thisAccessTokenDoesNotAllow: 'Dieses Zugangs-Token erlaubt das nicht.',
   thisBrowserCannotShow3dPictures: 'Dieser Browser kann keine 3D-Bilder zeigen: Ihm fehlt WebGL 2.',
-  thisHasBytesAllowedAre: (first: Value, second: Value) => `Das sind ${first} Bytes, erlaubt sind ${second}.`,
+  thisHasBytesAllowedAre: (first: Value, second: Value) =>
+    `Das sind ${first} Bytes, erlaubt sind ${second}.`,
   thisHelp: 'Diese Hilfe',
   thisImageCannotBeRead: 'Dieses Bild ist nicht lesbar.',
   thisIsLongerThanBytes: (first: Value) => `Das ist länger als ${first} Bytes.`,
@@ -601,7 +657,8 @@ export const de: Texts = {
   thisModelWasImportedNoCamera: 'Dieses Modell wurde importiert: Hier hat es keine Kamera gesehen.',
   thisNoteDoesNotExistOr: 'Diese Notiz gibt es nicht oder nicht mehr.',
   thisScanDoesNotExistOr: 'Diese Aufnahme gibt es nicht oder nicht mehr.',
-  thisScanHasBeenDeleted: 'Diese Aufnahme wurde gelöscht. Was hier zu sehen ist, wurde vorher geladen.',
+  thisScanHasBeenDeleted:
+    'Diese Aufnahme wurde gelöscht. Was hier zu sehen ist, wurde vorher geladen.',
   thisScanHasNoPoints: 'Diese Aufnahme hat keine Punkte.',
   thisServerAsksForAnAccess: 'Dieser Server verlangt ein Zugangs-Token.',
   thisServerMakesNoSurfaces: 'dieser Server erstellt keine Oberflächen',
@@ -621,17 +678,21 @@ export const de: Texts = {
   untitledRecording: 'Aufzeichnung ohne Titel',
   untitledScan: 'Aufnahme ohne Titel',
   vertical: 'Senkrecht',
-  verticalSectionAtTurnedByDegrees: (first: Value, second: Value) => `senkrechter Schnitt bei ${first}, um ${second} Grad gedreht`,
+  verticalSectionAtTurnedByDegrees: (first: Value, second: Value) =>
+    `senkrechter Schnitt bei ${first}, um ${second} Grad gedreht`,
   view: 'Ansicht',
   waitingForItsTurn: 'Wartet, bis es drankommt',
   waitingForTheFirstFrame: 'Wartet auf das erste Bild',
   waitsForItsTurn: 'Wartet, bis es drankommt',
   waitsForRoomOnTheDisk: 'Wartet auf Platz auf der Platte',
-  wasNotSentToTheEnd: (first: Value) => `${first} wurde nicht ganz gesendet. Noch einmal hinzufügen, dann geht es dort weiter.`,
+  wasNotSentToTheEnd: (first: Value) =>
+    `${first} wurde nicht ganz gesendet. Noch einmal hinzufügen, dann geht es dort weiter.`,
   weak: 'Schwach',
   weakNearlyLostButUsed: 'Schwach: fast verloren, aber verwendet',
-  wereLeftOutSinceNewerOnes: (first: Value) => `${first} wurden ausgelassen, weil neuere kamen, bevor der Server Zeit hatte.`,
-  wereNotSentToTheEnd: (first: Value) => `${first} wurden nicht ganz gesendet. Noch einmal hinzufügen, dann geht es dort weiter.`,
+  wereLeftOutSinceNewerOnes: (first: Value) =>
+    `${first} wurden ausgelassen, weil neuere kamen, bevor der Server Zeit hatte.`,
+  wereNotSentToTheEnd: (first: Value) =>
+    `${first} wurden nicht ganz gesendet. Noch einmal hinzufügen, dann geht es dort weiter.`,
   whatBecameOfItIsNot: 'Was daraus wurde, ist nicht bekannt',
   whatHasChanged: 'Was sich geändert hat',
   whatIsMeasured: 'Was gemessen wird',
@@ -649,7 +710,8 @@ export const de: Texts = {
   whichTextIsToStay: 'Jemand hat diese Notiz inzwischen geändert. Welcher Text soll bleiben?',
   whileItWasFollowed: (first: Value) => `${first}, solange sie verfolgt wurde`,
   wholePlan: 'Ganzer Plan',
-  whyTheCameraWasLostIs: 'Warum die Kamera verloren ging, ist nicht bekannt: Der Server war ein älterer, der es nicht aufbewahrt hat.',
+  whyTheCameraWasLostIs:
+    'Warum die Kamera verloren ging, ist nicht bekannt: Der Server war ein älterer, der es nicht aufbewahrt hat.',
   yourText: 'Ihr Text',
   yourTextIsThrownAway: 'Ihr Text wird verworfen',
   yourTextReplacesTheOtherOne: 'Ihr Text ersetzt den anderen',

@@ -1,4 +1,5 @@
-// What a person reads, in English. In sentences with gaps the values come in the order of their names.
+// What a person reads, in English. In sentences with gaps the values come in
+// the order of their names.
 export type Value = string | number;
 
 // Where a sentence has numbers up to twelve as words.
@@ -64,7 +65,8 @@ export const en = {
   beingMadeShare: (first: Value) => `Being made, ${first}`,
   besideThese: (first: Value) => `${first} beside these`,
   bothScansAreBeingCompared: 'Both scans are being compared.',
-  bothScansInThreeDimensionsArrow: 'Both scans in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.',
+  bothScansInThreeDimensionsArrow:
+    'Both scans in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.',
   bothScansShowTheSamePlace: 'Both scans show the same place.',
   byTheCamerasClock: (first: Value) => `${first} by the camera’s clock`,
   byTitle: 'By title',
@@ -72,7 +74,8 @@ export const en = {
   byWithinOn: (first: Value, second: Value, third: Value) => `${first} ± ${second}, ${third}`,
   calibrationWasCorrectedMapToo: (first: Value) =>
     `The camera’s calibration was off and is corrected: the map was corrected by up to ${first}.`,
-  calibrationWasCorrectedMapWasRight: 'The camera’s calibration was off and is corrected: the map was right.',
+  calibrationWasCorrectedMapWasRight:
+    'The camera’s calibration was off and is corrected: the map was right.',
   camera: 'Camera',
   cameraLostGoBackToThis: 'Camera lost. Go back to this view:',
   cameraLostItHasToGo: 'Camera lost. It has to go back to the red place.',
@@ -81,7 +84,8 @@ export const en = {
   changes: 'Changes',
   changesFromOnAreShown: (first: Value) =>
     `Changes from ${first} on are shown, where they are certain; ± are 95 % intervals. Nearer and farther are as the camera saw it.`,
-  changesOnM2: (first: Value, second: Value) => `${first} changes on ${second} m² that both scans saw.`,
+  changesOnM2: (first: Value, second: Value) =>
+    `${first} changes on ${second} m² that both scans saw.`,
   changeTheText: 'Change the text.',
   changedAndNotRemoved: 'Somebody has changed this note meanwhile: it was not removed.',
   changesTheText: 'Changes the text',
@@ -150,15 +154,18 @@ export const en = {
   doubleClick: 'Double click',
   doubtful: 'Doubtful',
   doubtfulAt: (first: Value) => `${first}, doubtful`,
-  doubtfulForNearlyLost: (first: Value, second: Value) => `doubtful for ${first}: ${second} nearly lost, but in the model`,
+  doubtfulForNearlyLost: (first: Value, second: Value) =>
+    `doubtful for ${first}: ${second} nearly lost, but in the model`,
   download: 'Download',
   downloadCsv: 'Download CSV',
   downloads: 'Downloads',
   drag: 'Drag',
   drawingInMetres: (first: Value, second: Value) => `${first}: ${second}, in metres`,
-  dropARecordingHereOrStream: 'Drop a recording here, or stream one, or the synthetic room, and it appears here while it grows:',
+  dropARecordingHereOrStream:
+    'Drop a recording here, or stream one, or the synthetic room, and it appears here while it grows:',
   dropped: 'Dropped',
-  eachFrameThatSeesAPlace: 'Each frame that sees a place well counts. What no frame has seen is not in the model.',
+  eachFrameThatSeesAPlace:
+    'Each frame that sees a place well counts. What no frame has seen is not in the model.',
   edges: 'Edges',
   edit: 'Edit',
   editsTakenOut: (first: Value) =>
@@ -167,7 +174,8 @@ export const en = {
   everybodyWhoSeesThisScanCan: 'Everybody who sees this scan can read it, also with a share link.',
   expectedErrorOfThePath: 'Expected error of the path',
   extent: 'Extent',
-  extentOfTheModel: (first: Value, second: Value, third: Value) => `${first} × ${second}, ${third} high`,
+  extentOfTheModel: (first: Value, second: Value, third: Value) =>
+    `${first} × ${second}, ${third} high`,
   eyeDomeLightingOfPoints: 'Eye-dome lighting of points',
   eyeDomeLightingPointsAreDarker: 'Eye-dome lighting: points are darker behind edges (E)',
   failed: 'Failed',
@@ -195,14 +203,18 @@ export const en = {
   frameBefore: 'Frame before',
   frameBeforeNextFramePlayOn: 'Frame before, next frame, play; on the slider of the frames',
   frameNumber: (first: Value) => `Frame ${first}`,
-  frameOf: (first: Value, second: Value, third: Value, fourth: Value) => `Frame ${first} of ${second}, ${third}, ${fourth}`,
+  frameOf: (first: Value, second: Value, third: Value, fourth: Value) =>
+    `Frame ${first} of ${second}, ${third}, ${fourth}`,
   frameOfLast: (first: Value, second: Value) => `Frame ${first} / ${second}`,
   frames: 'Frames',
-  framesAreDamagedOnTheServers: (first: Value) => `${first} frames are damaged on the server’s disk.`,
+  framesAreDamagedOnTheServers: (first: Value) =>
+    `${first} frames are damaged on the server’s disk.`,
   framesCount: (first: Value) => `${first} frames`,
   framesSoFar: (first: Value) => `${first} frames so far.`,
-  framesWereLeftOutSinceNewer: (first: Value) => `${first} frames were left out, since newer ones were there before the server had time.`,
-  framesWereRefusedTheirTimes: (first: Value) => `${first} frames were refused: their times were not after the one before.`,
+  framesWereLeftOutSinceNewer: (first: Value) =>
+    `${first} frames were left out, since newer ones were there before the server had time.`,
+  framesWereRefusedTheirTimes: (first: Value) =>
+    `${first} frames were refused: their times were not after the one before.`,
   fromAbove: 'From above',
   fromTo: (first: Value, second: Value) => `${first} to ${second}`,
   fromWhenTheServerHasA:
@@ -210,7 +222,8 @@ export const en = {
   goBackHere: 'Go back here',
   goBackHereSeenAgo: (first: Value) => `Go back here, seen ${first} ago`,
   goBackToThisViewSeen: (first: Value) => `Go back to this view, seen ${first} ago`,
-  goBackToWhatWasSeen: (first: Value, second: Value) => `${first} – go back to what was seen ${second} ago`,
+  goBackToWhatWasSeen: (first: Value, second: Value) =>
+    `${first} – go back to what was seen ${second} ago`,
   goOnScanning: 'Go on scanning',
   groundPlan: 'Ground plan',
   height: 'Height',
@@ -232,7 +245,8 @@ export const en = {
   inTheBestPositionAgrees: (first: Value, second: Value) =>
     `In the best position that was found, ${first} % of what both saw agrees, and ${second} % of the smaller scan lies in the other one.`,
   inThisFrameLessThan1Percent: 'In this frame less than 1 % of the pixels have depth',
-  inThisFramePercentOfThePixels: (first: Value) => `In this frame ${first} % of the pixels have depth`,
+  inThisFramePercentOfThePixels: (first: Value) =>
+    `In this frame ${first} % of the pixels have depth`,
   inThisFrameTheImageIsNearlyBlack: 'In this frame the image is nearly black',
   inThisFrameTheImageIsNearlyWhite: 'In this frame the image is nearly white',
   inThisFrameThereIsNoDepth: 'In this frame there is no depth',
@@ -241,17 +255,21 @@ export const en = {
   itCannotBeRead: 'It cannot be read.',
   itCouldNotBeLoaded: 'it could not be loaded',
   itIsDoubtful: 'it is doubtful',
-  itPrintedALinkWithThe: 'It printed a link with the token when it started. Open that link, or paste the token here.',
+  itPrintedALinkWithThe:
+    'It printed a link with the token when it started. Open that link, or paste the token here.',
   itsDepthRedIsNearBlue: 'Its depth: red is near, blue is far',
   itsImageIsOnItsWay: 'Its image is on its way.',
   itWasLostInFrames: (first: Value) => `It was lost in ${first} frames.`,
   itWasLostInOneFrame: 'It was lost in one frame.',
   itWasLostOnce: (first: Value) => `It was lost once, for ${first}.`,
-  itWasLostOnceToTheEnd: (first: Value) => `It was lost once, for ${first}, and was not found again before the end.`,
-  itWasLostTimes: (first: Value, second: Value) => `It was lost ${often(first)}, for ${second} in all.`,
+  itWasLostOnceToTheEnd: (first: Value) =>
+    `It was lost once, for ${first}, and was not found again before the end.`,
+  itWasLostTimes: (first: Value, second: Value) =>
+    `It was lost ${often(first)}, for ${second} in all.`,
   itWasLostTimesToTheEnd: (first: Value, second: Value) =>
     `It was lost ${often(first)}, for ${second} in all, and was not found again before the end.`,
-  itsPathShouldBeRightTo: (first: Value) => `Its path should be right to about ${first}, calibration aside.`,
+  itsPathShouldBeRightTo: (first: Value) =>
+    `Its path should be right to about ${first}, calibration aside.`,
   justNow: 'just now',
   keep: 'Keep',
   keepBoth: 'Keep both',
@@ -285,7 +303,8 @@ export const en = {
   lookingRight: 'Looking right',
   lookThrough: 'Look through',
   lookThroughTheCamera: 'Look through the camera',
-  loopClosedTheMapWasCorrected: (first: Value) => `Loop closed: the map was corrected by up to ${first}.`,
+  loopClosedTheMapWasCorrected: (first: Value) =>
+    `Loop closed: the map was corrected by up to ${first}.`,
   loopClosedTheMapWasRight: 'Loop closed: the map was right.',
   loops: 'Loops',
   loopsClosed: 'Loops closed',
@@ -293,18 +312,22 @@ export const en = {
   lost: 'Lost',
   lostAndFoundAgain: 'Lost and found again',
   lostAt: (first: Value) => `${first}, lost`,
-  lostForNotInTheModel: (first: Value, second: Value) => `lost for ${first}: ${second} not in the model`,
+  lostForNotInTheModel: (first: Value, second: Value) =>
+    `lost for ${first}: ${second} not in the model`,
   lostNotUsedShownWhereIt: 'Lost: not used, shown where it was last',
   lostTimesNotInTheModel: (first: Value, second: Value, third: Value) =>
     `lost ${often(first)}, for ${second} in all: ${third} not in the model`,
   lowConfidence: 'Low confidence',
   m2: (first: Value) => `${first} m²`,
-  m2WereNotSeenByThe: (first: Value) => `${first} m² of the first scan were not seen by the second.`,
+  m2WereNotSeenByThe: (first: Value) =>
+    `${first} m² of the first scan were not seen by the second.`,
   madeWithOptions: 'Made with options',
   makeIt: 'Make it',
-  makesALinkWithWhichOthers: 'Makes a link with which others can look at this scan, its notes and its measurements',
+  makesALinkWithWhichOthers:
+    'Makes a link with which others can look at this scan, its notes and its measurements',
   makesTheBoxAsLargeAs: 'Makes the box as large as the model',
-  makesWhatIsSeenFromBehind: 'Makes what is seen from behind transparent, so that walls do not cover the room',
+  makesWhatIsSeenFromBehind:
+    'Makes what is seen from behind transparent, so that walls do not cover the room',
   measure: 'Measure',
   measureDistancesHeightsAnglesAndAreas: 'Measure distances, heights, angles and areas',
   measuresDistancesHeightsAnglesAndAreas: 'Measures distances, heights, angles and areas (M)',
@@ -335,14 +358,18 @@ export const en = {
   noEdits: 'Nothing was taken out.',
   noFramesAt: (first: Value) => `${first}, no frames`,
   noFrameWasProcessed: 'No frame was processed.',
-  nobodyHasComparedTheseScansYet: 'Nobody has compared these scans yet, and this access token may not ask for it.',
+  nobodyHasComparedTheseScansYet:
+    'Nobody has compared these scans yet, and this access token may not ask for it.',
   noFrameYet: 'No frame yet',
   noNewFrameFor: (first: Value) => `No new frame for ${first}`,
   noScansYet: 'No scans yet.',
   noSection: 'No section',
-  nothingCouldBeCalledAdded: 'Nothing could be called added: where the first scan’s camera has been is not known.',
-  nothingCouldBeCalledRemoved: 'Nothing could be called removed: where the second scan’s camera has been is not known.',
-  nothingHasChangedOnM2: (first: Value) => `Nothing has changed on ${first} m² that both scans saw.`,
+  nothingCouldBeCalledAdded:
+    'Nothing could be called added: where the first scan’s camera has been is not known.',
+  nothingCouldBeCalledRemoved:
+    'Nothing could be called removed: where the second scan’s camera has been is not known.',
+  nothingHasChangedOnM2: (first: Value) =>
+    `Nothing has changed on ${first} m² that both scans saw.`,
   noTime: 'no time',
   noTitleHasInIt: (first: Value) => `No title has “${first}” in it.`,
   normals: 'Normals',
@@ -368,7 +395,8 @@ export const en = {
   ofTheChunksCouldNotBe: (first: Value) => `${first} of the chunks could not be decoded.`,
   ofTheGroundPlan: (first: Value) => `${first} of the ground plan`,
   ofThemAreDoubtful: (first: Value) => `${first} of them are doubtful`,
-  ofThemAreDoubtfulFor: (first: Value, second: Value) => `${first} of them are doubtful, for ${second} in all`,
+  ofThemAreDoubtfulFor: (first: Value, second: Value) =>
+    `${first} of them are doubtful, for ${second} in all`,
   ofTheModelsTheServerTakes: (first: Value, second: Value, third: Value, fourth: Value) =>
     `${first} Of the model’s ${second}, the server takes ${third}; the way and this browser take ${fourth}.`,
   ofThePoints: (first: Value) => `${first} of the points`,
@@ -379,13 +407,15 @@ export const en = {
   oneAfterTheOtherAsTwo: 'One after the other; as two notes if that is too long for one',
   oneChangeOnM2: (first: Value) => `One change on ${first} m² that both scans saw.`,
   oneFrameIsDamagedOnThe: 'One frame is damaged on the server’s disk.',
-  oneFrameWasLeftOutSince: 'One frame was left out, since newer ones were there before the server had time.',
+  oneFrameWasLeftOutSince:
+    'One frame was left out, since newer ones were there before the server had time.',
   oneFrameWasRefusedItsTime: 'One frame was refused: its time was not after the one before.',
   oneMorePlace: 'One more place',
   oneOfBothScansHasBeen: 'One of both scans has been deleted. What is seen here was loaded before.',
   oneOfThemIsDoubtful: 'one of them is doubtful',
   oneOfThemIsDoubtfulFor: (first: Value) => `one of them is doubtful, for ${first}`,
-  oneOfTheScansIsMirrored: 'One of the scans is mirrored: they only fit if one of them is reflected. Its axes have to be corrected first.',
+  oneOfTheScansIsMirrored:
+    'One of the scans is mirrored: they only fit if one of them is reflected. Its axes have to be corrected first.',
   oneOverTheOther: 'One over the other',
   onePiece: 'one piece',
   onlyScansWithTheseTags: 'Only scans with these tags',
@@ -400,7 +430,8 @@ export const en = {
   perFrame: 'Per frame',
   picture: 'Picture',
   piecesCount: (first: Value) => `${first} pieces`,
-  placesThatNobodyHasLookedAt: 'Places that nobody has looked at are in no figure: how much is missing cannot be told from the scan.',
+  placesThatNobodyHasLookedAt:
+    'Places that nobody has looked at are in no figure: how much is missing cannot be told from the scan.',
   play: 'Play',
   points: 'Points',
   pointsInFile: 'Points in file',
@@ -428,8 +459,10 @@ export const en = {
   removesPartsSmallerThan:
     'Takes out parts of the surface that are connected with nothing else and smaller than this, here and from downloads. It can be undone',
   removesTheNoteItCanBe: 'Removes the note; it can be taken back for a moment',
-  removesWhatIsInside: 'Takes out what is inside of the box, here and from downloads. It can be undone',
-  removesWhatIsOutside: 'Takes out what is outside of the box, here and from downloads. It can be undone',
+  removesWhatIsInside:
+    'Takes out what is inside of the box, here and from downloads. It can be undone',
+  removesWhatIsOutside:
+    'Takes out what is outside of the box, here and from downloads. It can be undone',
   rename: 'Rename',
   reset: 'Reset',
   ridesBehindTheScanningCamera: 'Rides behind the scanning camera',
@@ -449,7 +482,8 @@ export const en = {
   sectionPlane: 'Section plane',
   seeInside: 'See inside',
   sending: (first: Value, second: Value) => `Sending ${first}: ${second} %`,
-  sendingWaitingForTheServer: (first: Value, second: Value) => `Sending ${first}: ${second} %, waiting for the server`,
+  sendingWaitingForTheServer: (first: Value, second: Value) =>
+    `Sending ${first}: ${second} %, waiting for the server`,
   setTheFloor: 'Set the floor',
   shaded: 'Shaded',
   embed: 'Embed in a page',
@@ -457,7 +491,8 @@ export const en = {
   asAFrame: 'As a frame',
   asAnElement: 'As an element of its own, which CSS gives its size',
   smallerThanCm: (first: Value) => `smaller than ${first} cm`,
-  somebodyHasChangedTheEdits: 'Somebody else has edited the scan meanwhile. Its edits are shown as they are now; yours was not made.',
+  somebodyHasChangedTheEdits:
+    'Somebody else has edited the scan meanwhile. Its edits are shown as they are now; yours was not made.',
   tags: 'Tags',
   tagsWithCommasBetweenThem: 'Tags, with commas between them',
   takeOut: 'Take out',
@@ -465,8 +500,10 @@ export const en = {
   thePlanAsNumbers: 'The plan as numbers, for programs',
   thePlanIsBeingMade: 'The plan is being made …',
   thereAreAsManyEditsAs: 'There are as many edits as a scan may have. Undo one first.',
-  theTagIsLongerThanBytes: (first: Value, second: Value) => `The tag “${first}” is longer than ${second} bytes.`,
-  whoeverReadsThePageSees: (days: number) => `Whoever reads the page sees this scan, for ${days} days.`,
+  theTagIsLongerThanBytes: (first: Value, second: Value) =>
+    `The tag “${first}” is longer than ${second} bytes.`,
+  whoeverReadsThePageSees: (days: number) =>
+    `Whoever reads the page sees this scan, for ${days} days.`,
   openInHermite: 'Open in Hermite',
   share: 'Share',
   showAll: 'Show all',
@@ -479,8 +516,10 @@ export const en = {
   sideBySide: 'Side by side',
   simplifiedWithin: (first: Value) => `simplified within ${first}`,
   size: 'Size',
-  someOfWhatIsShownIs: 'Some of what is shown is from before, while the server builds the scan again.',
-  somebodyHasRemovedThisNoteMeanwhile: 'Somebody has removed this note meanwhile. Save writes it again, as a new one.',
+  someOfWhatIsShownIs:
+    'Some of what is shown is from before, while the server builds the scan again.',
+  somebodyHasRemovedThisNoteMeanwhile:
+    'Somebody has removed this note meanwhile. Save writes it again, as a new one.',
   stageOf: (first: Value, second: Value, third: Value) => `${first} ${second} of ${third}`,
   state: 'State',
   status: 'Status',
@@ -495,23 +534,28 @@ export const en = {
   thatDidNotWork: 'That did not work.',
   theBoxAndThePlaneStay: 'The box and the plane stay (Escape)',
   theCamera: 'The camera',
-  theCameraCouldNotBeFollowedInAny: (first: Value) => `The camera could not be followed in any of ${first} frames.`,
+  theCameraCouldNotBeFollowedInAny: (first: Value) =>
+    `The camera could not be followed in any of ${first} frames.`,
   theCameraCouldNotBeFollowedInTheOnly: 'The camera could not be followed in the only frame.',
   theCameraIsBeingFollowed: 'The camera is being followed.',
   theCameraWasFollowedInAll: (first: Value) => `The camera was followed in all of ${first} frames`,
-  theCameraWasFollowedInOf: (first: Value, second: Value) => `The camera was followed in ${first} of ${second} frames`,
+  theCameraWasFollowedInOf: (first: Value, second: Value) =>
+    `The camera was followed in ${first} of ${second} frames`,
   theCameraWasFollowedInTheOnly: 'The camera was followed in the only frame',
   theCloudToDownloadHasAll: (first: Value) => `The cloud to download has all ${first}.`,
   theComparisonCannotBeShown: 'The comparison cannot be shown.',
   theComparisonWaitsForItsTurn: 'The comparison waits for its turn.',
   theComparisonWasCancelled: 'The comparison was cancelled.',
   theDownloadWasCutOff: 'The download was cut off.',
-  theExtentIsAlongAndAcross: 'The extent is along and across the direction that most upright surfaces face.',
-  theFirstPointsAppearAsSoon: 'The first points appear as soon as a surface has been seen often enough.',
+  theExtentIsAlongAndAcross:
+    'The extent is along and across the direction that most upright surfaces face.',
+  theFirstPointsAppearAsSoon:
+    'The first points appear as soon as a surface has been seen often enough.',
   theFirstScanIsInParts: (first: Value) =>
     `The first scan is in ${first} parts, since its camera was lost between them: how they lie to each other is not known, and counts as a change.`,
   theFramesCouldNotBeLoaded: 'The frames could not be loaded.',
-  theGroundPlanIsAllSquares: (first: Value) => `The ground plan is all squares of ${first} with any surface in them, seen from above.`,
+  theGroundPlanIsAllSquares: (first: Value) =>
+    `The ground plan is all squares of ${first} with any surface in them, seen from above.`,
   theImagesOfTheCameraAt: 'The images of the camera at that moment',
   theLineIsThePathOf: 'The line is the path of the camera, from the dot on.',
   theLinkCouldNotBeMade: 'The link could not be made.',
@@ -521,13 +565,15 @@ export const en = {
   theMap: 'The map',
   theMapHasSurfelsThoseThat: (first: Value, second: Value, third: Value) =>
     `${first} ${second} The map has ${third} surfels; those that were seen only now and then are in neither.`,
-  theMapIsInPartsThey: (first: Value) => `The map is in ${first} parts: they will be joined when the camera sees both.`,
+  theMapIsInPartsThey: (first: Value) =>
+    `The map is in ${first} parts: they will be joined when the camera sees both.`,
   theModel: 'The model',
   theModelIsInParts: (first: Value) =>
     `The model is in ${words(first)} parts that were never joined: where they lie to each other is not known.`,
   theModelIsTooLargeFor: 'The model is too large for a ground plan.',
   theModelNamed: (first: Value) => `The model: ${first}`,
-  thePartsLieToEachOther: 'The parts lie to each other as nobody knows: extent, ground plan and pictures are right only within each.',
+  thePartsLieToEachOther:
+    'The parts lie to each other as nobody knows: extent, ground plan and pictures are right only within each.',
   thePathsErrorIsEstimated:
     'The expected error of the path is the root of the mean square over all frames, estimated from the noise of the images: what is wrong in the same way everywhere, as with a wrong focal length, is not in it.',
   thePicturesOfTheModelCould: 'The pictures of the model could not be drawn.',
@@ -541,17 +587,21 @@ export const en = {
     'There are no upright surfaces to turn the extent to: it is along and across where the camera looked in the first frame.',
   thereIsNoModelNothingWas: 'There is no model: nothing was seen often enough.',
   theReasonOfAPlaceIs: 'The reason of a place is what the server said most often of its frames.',
-  theScansAreTooSmallOrToo: 'The two scans agree, but are too small to be compared, or their points are too far apart.',
+  theScansAreTooSmallOrToo:
+    'The two scans agree, but are too small to be compared, or their points are too far apart.',
   theSecondScanIsInParts: (first: Value) =>
     `The second scan is in ${first} parts, since its camera was lost between them: how they lie to each other is not known, and counts as a change.`,
   thereIsNoOtherScanThat: 'There is no other scan that has ended.',
-  thereIsNoPictureOfBoth: 'There is no picture of both, since it is not known how they lie to each other.',
-  theScanInThreeDimensionsArrow: 'The scan in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.',
+  thereIsNoPictureOfBoth:
+    'There is no picture of both, since it is not known how they lie to each other.',
+  theScanInThreeDimensionsArrow:
+    'The scan in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.',
   theScanIsLargerThanThis: 'The scan is larger than this page can show; some parts are left out.',
   theScanIsRunningThisPage: 'The scan is running. This page fills itself when it has ended.',
   theScansCanSlideAlongEach:
     'The scans can slide along each other: what both saw, such as two parallel walls, does not hold them in one direction.',
-  theScansLieToEachOther: (first: Value) => `How the scans lie to each other is known to ${first} (95 %).`,
+  theScansLieToEachOther: (first: Value) =>
+    `How the scans lie to each other is known to ${first} (95 %).`,
   theScansReportCouldNotBe: (first: Value) =>
     `The scan’s report could not be loaded, so that what it says is missing here: how well the camera was followed, whether the model is in parts, and whether the calibration fits. ${first}`,
   theSectionCanBeDownloadedWhen: 'The section can be downloaded when the surface is finished.',
@@ -563,7 +613,8 @@ export const en = {
   theServerDoesNotHaveThis: 'The server does not have this.',
   theServerDoesNotMakeIt: 'the server does not make it',
   theServerSays: (first: Value) => `The server says: ${first}.`,
-  theServerWasNotThereFor: (first: Value) => `The server was not there for too long. Add ${first} again and it goes on from here.`,
+  theServerWasNotThereFor: (first: Value) =>
+    `The server was not there for too long. Add ${first} again and it goes on from here.`,
   theServersAnswerCannotBeRead: 'The server’s answer cannot be read.',
   theServersListOfExportsCannot: 'The server’s list of exports cannot be read.',
   theServersListOfFramesCannot: 'The server’s list of frames cannot be read.',
@@ -583,11 +634,13 @@ export const en = {
   theyCouldNotBeCompared: (first: Value) => `They could not be compared: ${first}`,
   thisAccessTokenDoesNotAllow: 'This access token does not allow that.',
   thisBrowserCannotShow3dPictures: 'This browser cannot show 3D pictures: it has no WebGL 2.',
-  thisHasBytesAllowedAre: (first: Value, second: Value) => `This has ${first} bytes, allowed are ${second}.`,
+  thisHasBytesAllowedAre: (first: Value, second: Value) =>
+    `This has ${first} bytes, allowed are ${second}.`,
   thisHelp: 'This help',
   thisImageCannotBeRead: 'This image cannot be read.',
   thisIsLongerThanBytes: (first: Value) => `This is longer than ${first} bytes.`,
-  thisLinkShowsTheModelAnd: 'This link shows the model and not what the camera has seen: the strip over time and the images are left out.',
+  thisLinkShowsTheModelAnd:
+    'This link shows the model and not what the camera has seen: the strip over time and the images are left out.',
   thisModelWasImportedNoCamera: 'This model was imported: no camera has seen it here.',
   thisNoteDoesNotExistOr: 'This note does not exist, or no longer.',
   thisScanDoesNotExistOr: 'This scan does not exist, or no longer.',
@@ -611,17 +664,21 @@ export const en = {
   untitledRecording: 'Untitled recording',
   untitledScan: 'Untitled scan',
   vertical: 'Vertical',
-  verticalSectionAtTurnedByDegrees: (first: Value, second: Value) => `vertical section at ${first}, turned by ${second} degrees`,
+  verticalSectionAtTurnedByDegrees: (first: Value, second: Value) =>
+    `vertical section at ${first}, turned by ${second} degrees`,
   view: 'View',
   waitingForItsTurn: 'Waiting for its turn',
   waitingForTheFirstFrame: 'Waiting for the first frame',
   waitsForItsTurn: 'Waits for its turn',
   waitsForRoomOnTheDisk: 'Waits for room on the disk',
-  wasNotSentToTheEnd: (first: Value) => `${first} was not sent to the end. Add it again and it goes on from there.`,
+  wasNotSentToTheEnd: (first: Value) =>
+    `${first} was not sent to the end. Add it again and it goes on from there.`,
   weak: 'Weak',
   weakNearlyLostButUsed: 'Weak: nearly lost, but used',
-  wereLeftOutSinceNewerOnes: (first: Value) => `${first} were left out, since newer ones were there before the server had time.`,
-  wereNotSentToTheEnd: (first: Value) => `${first} were not sent to the end. Add them again and they go on from there.`,
+  wereLeftOutSinceNewerOnes: (first: Value) =>
+    `${first} were left out, since newer ones were there before the server had time.`,
+  wereNotSentToTheEnd: (first: Value) =>
+    `${first} were not sent to the end. Add them again and they go on from there.`,
   whatBecameOfItIsNot: 'What became of it is not known',
   whatHasChanged: 'What has changed',
   whatIsMeasured: 'What is measured',
@@ -639,7 +696,8 @@ export const en = {
   whichTextIsToStay: 'Somebody has changed this note meanwhile. Which text is to stay?',
   whileItWasFollowed: (first: Value) => `${first} while it was followed`,
   wholePlan: 'Whole plan',
-  whyTheCameraWasLostIs: 'Why the camera was lost is not known: the server was an older one, which did not keep it.',
+  whyTheCameraWasLostIs:
+    'Why the camera was lost is not known: the server was an older one, which did not keep it.',
   yourText: 'Your text',
   yourTextIsThrownAway: 'Your text is thrown away',
   yourTextReplacesTheOtherOne: 'Your text replaces the other one',

@@ -11,15 +11,20 @@ describe('the tables of texts', () => {
   it('have the same texts with the same gaps', () => {
     expect(Object.keys(german)).toEqual(Object.keys(english));
     const gapsOf = (text: unknown): number => (typeof text === 'function' ? text.length : 0);
-    for (const [key, text] of Object.entries(english)) expect([key, gapsOf(german[key])]).toEqual([key, gapsOf(text)]);
+    for (const [key, text] of Object.entries(english))
+      expect([key, gapsOf(german[key])]).toEqual([key, gapsOf(text)]);
   });
   it('fill every gap, and leave no text empty', () => {
     const values = ['<1>', '<2>', '<3>', '<4>'];
     for (const table of [english, german])
       for (const [key, text] of Object.entries(table)) {
-        const said = typeof text === 'function' ? (text as (...values: string[]) => string)(...values) : (text as string);
+        const said =
+          typeof text === 'function'
+            ? (text as (...values: string[]) => string)(...values)
+            : (text as string);
         expect(said, key).not.toBe('');
-        if (typeof text === 'function') for (const value of values.slice(0, text.length)) expect(said, key).toContain(value);
+        if (typeof text === 'function')
+          for (const value of values.slice(0, text.length)) expect(said, key).toContain(value);
       }
   });
 });
@@ -51,11 +56,13 @@ describe('the language', () => {
   });
 });
 
-// What looks like words for people: several words, or one with a capital letter. Names of keys, classes and the program are none.
+// What looks like words for people: several words, or one with a capital letter. Names of keys,
+// classes and the program are none.
 const looksLikeText = /[A-Za-z]{2,} [a-z–’(]|^[A-Z][a-z]+[.…:]?$|^[A-Z][a-z]+[ :,]/;
 const noText = /^(Escape|Backspace|Enter|ArrowLeft|ArrowRight|Hermite|hermite-client .*)$/;
 // Names of counts in the report of a scan.
-const countNames = /^(loops by \w+|\w+ loops|(impossible|ambiguous) places|global adjustments|found again|joined parts)$/;
+const countNames =
+  /^(loops by \w+|\w+ loops|\w+ places|global adjustments|found again|joined parts)$/;
 
 function textsIn(file: string): string[] {
   const source = ts.createSourceFile(file, readFileSync(file, 'utf8'), ts.ScriptTarget.Latest);
@@ -69,7 +76,8 @@ function textsIn(file: string): string[] {
         : ts.isTemplateExpression(node)
           ? node.head.text + node.templateSpans.map(({ literal }) => `1${literal.text}`).join('')
           : '';
-    if (looksLikeText.test(text) && !noText.test(text) && !countNames.test(text)) found.push(`${file}: ${text}`);
+    if (looksLikeText.test(text) && !noText.test(text) && !countNames.test(text))
+      found.push(`${file}: ${text}`);
     ts.forEachChild(node, visit);
   };
   visit(source);

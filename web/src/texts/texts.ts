@@ -1,5 +1,6 @@
-// The texts that a person reads, in the language that was chosen, else in the first one of the browser that there is a table of. It stays the same as long as a
-// page is open: who chooses another one loads the page again.
+// The texts that a person reads, in the language that was chosen, else in the first one of the
+// browser that there is a table of. It stays the same as long as a page is open: who chooses
+// another one loads the page again.
 import { de } from './de';
 import { en, type Texts } from './en';
 import { ofThisBrowser } from '../state/storages';
@@ -23,7 +24,9 @@ export function languageOf(chosen: string | null, wanted: readonly string[]): La
 
 // For numbers and dates: that of the browser where it is of this language.
 export function localeOf(shown: Language, wanted: readonly string[]): string {
-  return wanted.find((tag) => languageIn(tag) === shown && tag.includes('-')) ?? usualLocales[shown];
+  return (
+    wanted.find((tag) => languageIn(tag) === shown && tag.includes('-')) ?? usualLocales[shown]
+  );
 }
 
 export function storeLanguage(storage: Pick<Storage, 'setItem'>, shown: Language): void {
@@ -34,11 +37,18 @@ export function storeLanguage(storage: Pick<Storage, 'setItem'>, shown: Language
   }
 }
 
-const preferred = typeof document === 'undefined' ? [] : navigator.languages; // tests without a page are in English
-export const language = languageOf(typeof document === 'undefined' ? null : ofThisBrowser.getItem(storedAs), preferred);
+// Tests without a page are in English.
+const preferred = typeof document === 'undefined' ? [] : navigator.languages;
+export const language = languageOf(
+  typeof document === 'undefined' ? null : ofThisBrowser.getItem(storedAs),
+  preferred,
+);
 export const locale = localeOf(language, preferred);
 export const t: Texts = tables[language];
 
 export function decimal(value: number, digits: number): string {
-  return value.toLocaleString(locale, { minimumFractionDigits: digits, maximumFractionDigits: digits });
+  return value.toLocaleString(locale, {
+    minimumFractionDigits: digits,
+    maximumFractionDigits: digits,
+  });
 }
