@@ -8,6 +8,7 @@
 #include "core/frame/depth_steps.h"
 #include "core/frame/frame_content.h"
 #include "core/frame/image_features.h"
+#include "core/frame/repeated_rows.h"
 #include "core/frame/rgbd_frame.h"
 #include "core/frame/sensor_noise.h"
 
@@ -20,6 +21,7 @@ struct PreparedFrame {
   FrameContent content;                 // of the frame as recorded
   NoiseSample noise;                    // of the depth as recorded
   DepthSteps steps;                     // likewise
+  RowDigests rows;                      // likewise
   ImageFeatures features;
   // Index among the cameras that the pipeline has had (core/pipeline/frame_preparer.h).
   std::uint32_t camera_number = 0;

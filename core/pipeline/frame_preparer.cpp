@@ -32,6 +32,7 @@ frame::PreparedFrame FramePreparer::prepare(frame::RgbdFrame frame) const {
   prepared.content = frame::content_of(frame, camera_.depth_units_per_metre, options_.frame);
   prepared.noise = frame::measure_noise(frame.depth, camera_.depth_units_per_metre, options_.frame);
   prepared.steps = frame::measure_steps(frame.depth, camera_.depth_units_per_metre);
+  prepared.rows = frame::digest_rows(frame.depth);
   if (rectifier_) {
     prepared.frame = rectifier_->apply(frame);
     prepared.as_it_came = std::move(frame);
@@ -43,8 +44,11 @@ frame::PreparedFrame FramePreparer::prepare(frame::RgbdFrame frame) const {
   return prepared;
 }
 
-frame::PreparedFrame FramePreparer::prepare_again(const frame::PreparedFrame& prepared) const {
-  return prepare(prepared.as_it_came ? *prepared.as_it_came : prepared.frame);
+frame::PreparedFrame FramePreparer::prepare_again(const frame::PreparedFrame& prepared,
+                                                  int removed_row_count) const {
+  frame::RgbdFrame frame = prepared.as_it_came ? *prepared.as_it_came : prepared.frame;
+  if (removed_row_count > 0) frame::remove_last_rows(frame, removed_row_count);
+  return prepare(std::move(frame));
 }
 
 frame::PreparedFrame FramePreparer::empty(double timestamp_s) const {

@@ -27,8 +27,10 @@ class FramePreparer {
   // Rectifies and registers the frame and detects its features. The frame has the camera's size.
   frame::PreparedFrame prepare(frame::RgbdFrame frame) const;
 
-  // Prepares a frame again that was prepared for another camera.
-  frame::PreparedFrame prepare_again(const frame::PreparedFrame& prepared) const;
+  // Prepares a frame again: for this camera, if it was prepared for another one, and without its
+  // last `removed_row_count` rows (core/frame/repeated_rows.h).
+  frame::PreparedFrame prepare_again(const frame::PreparedFrame& prepared,
+                                     int removed_row_count) const;
 
   // Returns a prepared frame without any content.
   frame::PreparedFrame empty(double timestamp_s) const;

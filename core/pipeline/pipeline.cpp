@@ -59,6 +59,7 @@ struct Pipeline::Impl {
   }
   void begin_with(const Camera& camera);
   FrameResult process(const frame::PreparedFrame& prepared);
+  FrameResult process_whole_rows(const frame::PreparedFrame& prepared);
   PastFrames correct_camera(const calibrate::CameraCheck& check);
   std::optional<FrameResult> follow(const calibrate::CameraCheck& check);
   FrameResult reprocess(const dataset::Trajectory& given, PastFrames past_frames);
@@ -82,6 +83,7 @@ struct Pipeline::Impl {
   mutable std::mutex preparer_mutex;
   std::shared_ptr<const FramePreparer> preparer;  // guarded by preparer_mutex
   std::unique_ptr<Reconstruction> reconstruction;
+  frame::TornFrames torn_frames;
   MapChanges changes;
 };
 
@@ -97,16 +99,23 @@ void Pipeline::Impl::begin_with(const Camera& camera) {
   if (camera_count > 1)
     reconstruction->front_end.certainty().observe_camera(
         Eigen::Vector2d::Zero(), {calibrate::kFittingBend, calibrate::kFittingFocal});
+  torn_frames = {};
   changes.begin_map(camera_count > 1);
   const std::lock_guard lock(preparer_mutex);
   preparer = std::move(next);
 }
 
-FrameResult Pipeline::Impl::process(const frame::PreparedFrame& prepared) {
+// Processes a frame without the rows that are left from the frame before, for the current camera.
+FrameResult Pipeline::Impl::process_whole_rows(const frame::PreparedFrame& prepared) {
   const std::shared_ptr<const FramePreparer> current = current_preparer();
-  const bool is_of_another = prepared.camera_number != current->number();
-  FrameResult result = is_of_another ? reconstruction->process(current->prepare_again(prepared))
-                                     : reconstruction->process(prepared);
+  const int repeated_row_count = torn_frames.next(prepared.rows);
+  if (repeated_row_count == 0 && prepared.camera_number == current->number())
+    return reconstruction->process(prepared);
+  return reconstruction->process(current->prepare_again(prepared, repeated_row_count));
+}
+
+FrameResult Pipeline::Impl::process(const frame::PreparedFrame& prepared) {
+  FrameResult result = process_whole_rows(prepared);
   if (!reconstruction->watch) return result;
   const std::optional<calibrate::CameraCheck> check = reconstruction->watch->answer();
   if (!check) return result;
@@ -169,7 +178,7 @@ FrameResult Pipeline::Impl::reprocess(const dataset::Trajectory& given, PastFram
                                            prepare);
     while (const std::optional<frame::PreparedFrame> prepared =
                past_frames ? std::nullopt : reader.next()) {
-      result = reconstruction->process(*prepared);
+      result = process_whole_rows(*prepared);
       const std::optional<calibrate::CameraCheck> check =
           reconstruction->watch ? reconstruction->watch->answer() : std::nullopt;
       if (check && check->verdict == calibrate::CameraVerdict::kIsOff)
@@ -212,6 +221,7 @@ Status Pipeline::Impl::restore(ByteReader& bytes) {
     begin_with(camera);
   }
   change_fields(bytes, *this);
+  torn_frames.restore(bytes);
   reconstruction->restore(bytes);
   bytes.require(bytes.at_end(), "there are bytes after the checkpoint");
   return bytes.status();
@@ -261,6 +271,7 @@ Result<std::string> Pipeline::save() const {
     bytes.number(impl_->camera_count);
     Impl::camera_fields(bytes, impl_->current_preparer()->camera());
     Impl::change_fields(bytes, std::as_const(*impl_));
+    impl_->torn_frames.save(bytes);
     impl_->reconstruction->save(bytes);
     return bytes.take();
   } catch (const SetupError& error) {
@@ -349,6 +360,7 @@ std::vector<SubmapPose> Pipeline::submap_poses() const {
 
 PipelineStatistics Pipeline::statistics() const {
   PipelineStatistics statistics = statistics_of(*impl_->reconstruction);
+  statistics.torn_frame_count = impl_->torn_frames.count();
   if (impl_->camera_count > 1) {
     statistics.corrected_camera = impl_->current_preparer()->camera();
     statistics.camera_correction =

@@ -18,11 +18,14 @@ struct PipelineStatistics {
   std::int64_t frame_count = 0;
   std::int64_t tracked_frame_count = 0;  // includes weakly tracked frames
   std::int64_t weak_frame_count = 0;
+  // Frames that arrived incompletely (core/frame/repeated_rows.h). Set by Pipeline::statistics().
+  std::int64_t torn_frame_count = 0;
   double position_sigma_m = 0, rotation_sigma_rad = 0;  // of the last tracked frame
   // Nullopt: no frame was tracked, or components are not joined.
   std::optional<track::ExpectedError> expected_error;
   std::string calibration_doubt;  // as text; empty: the camera fits its views
-  // As text; empty: the given calibration is in use. Both are set by Pipeline::statistics().
+  // As text; empty: the given calibration is in use. This and the next one are set by
+  // Pipeline::statistics().
   std::string camera_correction;
   std::optional<Camera> corrected_camera;  // set when the calibration was corrected
   std::int64_t surfel_count = 0;

@@ -40,6 +40,7 @@ std::string format_report_json(const RunReport& run, const dataset::Trajectory& 
   report["frames"] = statistics.frame_count;
   report["tracked_frames"] = statistics.tracked_frame_count;
   report["weak_frames"] = statistics.weak_frame_count;
+  report["torn_frames"] = statistics.torn_frame_count;
   report["position_sigma_m"] = statistics.position_sigma_m;
   report["rotation_sigma_deg"] = statistics.rotation_sigma_rad * 180 / M_PI;
   if (const std::optional<track::ExpectedError>& error = statistics.expected_error)

@@ -39,7 +39,9 @@ def source_of(seed):
     scene, names = chance.choice(SCENES), chance.sample(sorted([*RANGES, *CHOICES]), chance.choice([1, 2, 2, 3, 3, 4]))
     if {"covered", "missing"} <= set(names):
         names.remove("missing")
-    disturbances = "".join("+" + drawn(chance, name) for name in names) + f"+noise=kinect,seed={seed}"
+    drawn_ones = ["+" + drawn(chance, name) for name in names]
+    of_driver = [one for one in drawn_ones if one.startswith("+torn")]  # is done to measured images
+    disturbances = "".join([*(one for one in drawn_ones if one not in of_driver), f"+noise=kinect,seed={seed}", *of_driver])
     if scene is None:
         return RECORDING + disturbances
     return f"synthetic:frames=180,width=320,height=240,scene={scene},speed={chance.choice([0.5, 1, 1, 1.5])},start={chance.choice([0, 0, 3, 7, 12])}{disturbances}"

@@ -111,6 +111,14 @@ TEST(Disturbances, ACameraThatSeesNothingOnItsWayToADeskThatLooksTheSameIsNotSur
   EXPECT_GT(disturbed.farthest_m, 0.5) << "this room no longer misleads";
 }
 
+// A third of the frames end in rows of the frame before, which kept the camera back by up to 3 cm.
+TEST(Disturbances, RowsLeftFromTheFrameBeforeAreNotUsed) {
+  const std::string room = "synthetic:frames=60,width=160,height=120,rate=20+noise=kinect,seed=1";
+  const Scanned undisturbed = scan(room), disturbed = scan(room + "+torn=every=3");
+  EXPECT_LT(disturbed.ate_rmse_m, 1.5 * undisturbed.ate_rmse_m);
+  EXPECT_GE(disturbed.tracked, undisturbed.tracked - 3);
+}
+
 TEST(Disturbances, SomebodyWhoCrossesIsNotTheRoom) {
   const std::string room = "synthetic:frames=80,width=160,height=120,rate=20";
   const Scanned undisturbed = scan(room);

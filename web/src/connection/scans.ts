@@ -95,6 +95,7 @@ export interface Report {
   readonly frames: number | null; // that were processed
   readonly trackedFrames: number | null; // weak ones included
   readonly weakFrames: number | null;
+  readonly tornFrames: number | null; // of which only a part arrived
   readonly positionSigma_m: number | null; // of the last frame that was tracked
   readonly rotationSigma_deg: number | null;
   readonly expectedPathError_m: number | null; // RMS over all frames
@@ -120,6 +121,7 @@ export function parseReport(json: unknown): Report {
     frames: numberOf(report['frames']),
     trackedFrames: numberOf(report['tracked_frames']),
     weakFrames: numberOf(report['weak_frames']),
+    tornFrames: numberOf(report['torn_frames']),
     positionSigma_m: numberOf(report['position_sigma_m']),
     rotationSigma_deg: numberOf(report['rotation_sigma_deg']),
     expectedPathError_m: numberOf(expected['path_m']),

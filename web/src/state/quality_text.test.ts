@@ -44,6 +44,14 @@ describe('qualityText', () => {
     expect(textOf(0.002, 0)).toBe('The camera could not be followed in any of 9 frames.');
   });
 
+  it('says that frames arrived incompletely', () => {
+    const textOf = (torn_frames: number): string =>
+      qualityText(followedOf(reportOf(9, 9, 0, { torn_frames }), null));
+    expect(textOf(0)).toBe('The camera was followed in all of 9 frames.');
+    expect(textOf(1)).toContain('One frame arrived incompletely, and only a part of it was used.');
+    expect(textOf(3)).toContain('3 frames arrived incompletely, and only a part of each was used');
+  });
+
   it('names doubtful and lost stretches with their time, or else their number', () => {
     const list = listOf(['tracked', 20], ['weak', 5], ['tracked', 20], ['weak', 3], ['tracked', 2]);
     expect(qualityText(followedOf(reportOf(50, 50, 8), list))).toBe(

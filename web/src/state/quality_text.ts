@@ -18,6 +18,7 @@ export interface Followed {
   readonly frames: number | null; // that were processed; null: nobody knows
   readonly tracked: number | null; // of these; weak ones included
   readonly weak: number | null;
+  readonly torn: number; // frames of which only a part arrived; 0 where nobody says
   readonly counts: FrameCounts | null; // of all that were sent; null: the list cannot be had
   readonly stretches: readonly Stretch[] | null;
   readonly doubts: readonly Doubt[] | null;
@@ -44,6 +45,7 @@ export function followedOf(report: Report | null, list: FrameList | null, unread
       (counts ? counts.tracked + counts.weak + counts.lost + counts.unknown : null),
     tracked: report?.trackedFrames ?? (listed ? listed.tracked + listed.weak : null),
     weak: report?.weakFrames ?? listed?.weak ?? null,
+    torn: report?.tornFrames ?? 0,
     counts,
     stretches: listed && stretches,
     doubts: listed && stretches && doubtsIn(stretches),
@@ -64,6 +66,7 @@ export function qualityText(followed: Followed, said = ''): string {
     followedText(followed),
     lostText(followed),
     expectedText(followed),
+    tornText(followed),
     unusedText(followed.counts),
     unreadText(followed),
     parts > 1 && !saysParts.test(said) ? t.theModelIsInParts(count(parts)) : '',
@@ -127,6 +130,11 @@ function expectedText({ expectedPathError_m, tracked }: Followed): string {
 
 function unreadText({ unread }: Followed): string {
   return unread === '' ? '' : t.theScansReportCouldNotBe(unread);
+}
+
+function tornText({ torn }: Followed): string {
+  if (torn === 0) return '';
+  return torn === 1 ? t.oneFrameArrivedIncompletely : t.framesArrivedIncompletely(count(torn));
 }
 
 function unusedText(counts: FrameCounts | null): string {

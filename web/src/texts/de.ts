@@ -212,6 +212,8 @@ export const de: Texts = {
     `Bild ${first} von ${second}, ${third}, ${fourth}`,
   frameOfLast: (first: Value, second: Value) => `Bild ${first} / ${second}`,
   frames: 'Bilder',
+  framesArrivedIncompletely: (first: Value) =>
+    `${first} Bilder kamen unvollständig an, und nur ein Teil von jedem wurde verwendet. Am Kabel oder Anschluss der Kamera gehen Daten verloren.`,
   framesAreDamagedOnTheServers: (first: Value) =>
     `${first} Bilder sind auf der Platte des Servers beschädigt.`,
   framesCount: (first: Value) => `${first} Bilder`,
@@ -413,6 +415,8 @@ export const de: Texts = {
   onAverage: (first: Value) => `im Mittel ${first}`,
   oneAfterTheOtherAsTwo: 'Hintereinander; als zwei Notizen, wenn das für eine zu lang ist',
   oneChangeOnM2: (first: Value) => `Eine Änderung auf ${first} m², die beide Scans gesehen haben.`,
+  oneFrameArrivedIncompletely:
+    'Ein Bild kam unvollständig an, und nur ein Teil davon wurde verwendet.',
   oneFrameIsDamagedOnThe: 'Ein Bild ist auf der Platte des Servers beschädigt.',
   oneFrameWasLeftOutSince:
     'Ein Bild wurde ausgelassen, weil neuere kamen, bevor der Server Zeit hatte.',

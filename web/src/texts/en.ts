@@ -207,6 +207,8 @@ export const en = {
     `Frame ${first} of ${second}, ${third}, ${fourth}`,
   frameOfLast: (first: Value, second: Value) => `Frame ${first} / ${second}`,
   frames: 'Frames',
+  framesArrivedIncompletely: (first: Value) =>
+    `${first} frames arrived incompletely, and only a part of each was used. The camera’s cable or port loses data.`,
   framesAreDamagedOnTheServers: (first: Value) =>
     `${first} frames are damaged on the server’s disk.`,
   framesCount: (first: Value) => `${first} frames`,
@@ -406,6 +408,7 @@ export const en = {
   onAverage: (first: Value) => `${first} on average`,
   oneAfterTheOtherAsTwo: 'One after the other; as two notes if that is too long for one',
   oneChangeOnM2: (first: Value) => `One change on ${first} m² that both scans saw.`,
+  oneFrameArrivedIncompletely: 'One frame arrived incompletely, and only a part of it was used.',
   oneFrameIsDamagedOnThe: 'One frame is damaged on the server’s disk.',
   oneFrameWasLeftOutSince:
     'One frame was left out, since newer ones were there before the server had time.',
