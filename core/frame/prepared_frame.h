@@ -22,6 +22,7 @@ struct PreparedFrame {
   NoiseSample noise;                    // of the depth as recorded
   DepthSteps steps;                     // likewise
   RowDigests rows;                      // likewise
+  double repeated_share = 0;            // share of the rows that were removed (repeated_rows.h)
   ImageFeatures features;
   // Index among the cameras that the pipeline has had (core/pipeline/frame_preparer.h).
   std::uint32_t camera_number = 0;

@@ -12,7 +12,7 @@ namespace {
 // the pixels of a camera at rest as they were, so 16 are equal once in 10^8 rows.
 constexpr std::ptrdiff_t kLeastMeasured = 16;
 
-// Fewer repeated rows are left in: at a twentieth of the usual rows they change no pose.
+// Fewer repeated rows are left in: they change no pose.
 constexpr int kLeastRows = 4;
 
 // A frame is torn if at most this share of the rows above repeats as well.

@@ -111,7 +111,9 @@ FrameResult Pipeline::Impl::process_whole_rows(const frame::PreparedFrame& prepa
   const int repeated_row_count = torn_frames.next(prepared.rows);
   if (repeated_row_count == 0 && prepared.camera_number == current->number())
     return reconstruction->process(prepared);
-  return reconstruction->process(current->prepare_again(prepared, repeated_row_count));
+  frame::PreparedFrame whole = current->prepare_again(prepared, repeated_row_count);
+  whole.repeated_share = repeated_row_count / static_cast<double>(current->camera().height);
+  return reconstruction->process(whole);
 }
 
 FrameResult Pipeline::Impl::process(const frame::PreparedFrame& prepared) {

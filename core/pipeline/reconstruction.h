@@ -75,8 +75,8 @@ struct Reconstruction {
   double unseen_s(double timestamp_s) const {
     return poses.size() < 2 ? 0 : pace.unseen_s(timestamp_s);
   }
-  bool is_repeated(const frame::FrameContent& content) const;
-  Rigid3 coast(FrameResult& result);
+  bool is_repeated(const frame::PreparedFrame& taken) const;
+  Rigid3 coast(double repeated_share, FrameResult& result);
   void step(double timestamp_s, const Rigid3& last_from_camera, bool is_corrected);
   void offer_to_watch(const frame::RgbdFrame& frame, MapEvent event);
 

@@ -287,6 +287,21 @@ TEST(Checkpoint, PartsThatAreNotJoinedYetComeBack) {
 }
 
 // Surfels get other slots, and what has not been told of them yet is told by who goes on.
+TEST(Checkpoint, AFrameThatEndsInTheOneBeforeIsRecognisedAfterwards) {
+  const std::vector<frame::RgbdFrame>& frames = walk().frames;
+  frame::RgbdFrame torn = frames[2];
+  std::copy(frames[1].depth.pixels.begin() + 4000, frames[1].depth.pixels.end(),
+            torn.depth.pixels.begin() + 4000);
+  const std::unique_ptr<Pipeline> first = make_pipeline(adjusted_often());
+  const std::unique_ptr<Pipeline> second = make_pipeline(adjusted_often());
+  for (std::size_t i = 0; i < 2; ++i) ASSERT_TRUE(first->process(frames[i]).ok());
+  ASSERT_TRUE(second->restore(*first->save()).ok());
+  const Result<FrameResult> undisturbed = first->process(torn), result = second->process(torn);
+  EXPECT_THAT(undisturbed->reason, HasSubstr("its transfer was incomplete"));
+  EXPECT_EQ(told(*result), told(*undisturbed));
+  EXPECT_EQ(second->statistics().torn_frame_count, 1);
+}
+
 TEST(Checkpoint, AMapIsCompactedBeforeAndAfter) {
   Options options = adjusted_often();
   options.map.clean_interval_frames = 1;
