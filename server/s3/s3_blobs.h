@@ -41,19 +41,19 @@ class S3Blobs : public Blobs {
 
   Status put(const std::string& scan_id, const std::string& name,
              const std::string& bytes) override;
+  // The same, with the version. kTooLarge: more than kMaxS3Put_bytes.
+  Result<StoredBlob> put_blob(const std::string& scan_id, const std::string& name,
+                              const std::string& bytes);
   Result<std::string> read(const std::string& scan_id, const std::string& name,
                            std::uint64_t offset, std::size_t max_bytes) override;
   Result<std::uint64_t> size_bytes(const std::string& scan_id, const std::string& name) override;
+  // The same, with the version.
+  Result<StoredBlob> find(const std::string& scan_id, const std::string& name);
   Result<std::string> version(const std::string& scan_id, const std::string& name) override;
   Result<std::vector<BlobInfo>> list(const std::string& scan_id) override;
   Status remove(const std::string& scan_id) override;
   Status remove(const std::string& scan_id, const std::string& name) override;
   Status availability() override;
-
-  // As put() and size_bytes(), with the version. kTooLarge: more than kMaxS3Put_bytes.
-  Result<StoredBlob> put_blob(const std::string& scan_id, const std::string& name,
-                              const std::string& bytes);
-  Result<StoredBlob> find(const std::string& scan_id, const std::string& name);
 
   // Calls `each` for every blob of every scan, in no certain order. kIo, kCorruptData.
   Status list_all(const std::function<void(const std::string& scan_id, const std::string& name,

@@ -6,19 +6,25 @@
 #include <cmath>
 #include <functional>
 
+#include "tests/support/swaying_camera.h"
+
 namespace hermite::track::light_changes_test {
 namespace {
 
-constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
-constexpr std::size_t kPixels = 4800;
+using test::count;
+using test::kCoarseCamera;
+using test::kCoarsePixels;
+using test::swaying_pose;
+
 constexpr double kWall_m = 2;
 
 using Grey = std::function<double(const Eigen::Vector3d& point_world)>;
 
 // A wall 2 m away.
 frame::CoarseView wall(const Rigid3& world_from_camera, const Grey& grey) {
-  frame::CoarseView view{kCamera, std::vector<float>(kPixels),
-                         std::vector<Eigen::Vector3f>(kPixels), std::vector<float>(kPixels)};
+  frame::CoarseView view{kCoarseCamera, std::vector<float>(kCoarsePixels),
+                         std::vector<Eigen::Vector3f>(kCoarsePixels),
+                         std::vector<float>(kCoarsePixels)};
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 80; ++x) {
       const std::size_t i = view.index(x, y);
@@ -53,36 +59,27 @@ Grey in_sun(int frame) {
   };
 }
 
-// A hand's sway.
-Rigid3 pose(int frame) {
-  return exp_se3(
-      (Vector6d() << 0.012 * frame, -0.005 * frame, 0.004 * frame, 0, 0.006 * frame, 0).finished());
-}
-
-std::size_t count(const frame::CoarseMask& mask) {
-  return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1u));
-}
-
 constexpr int kLast = 40;
 
 // What changes in the last of 41 frames, taken to be seen from `seen_from`.
 frame::CoarseMask changed_at_last(const std::function<Grey(int frame)>& grey,
-                                  const Rigid3& seen_from = pose(kLast),
-                                  const frame::CoarseMask& moving = frame::CoarseMask(kPixels, 0)) {
+                                  const Rigid3& seen_from = swaying_pose(kLast),
+                                  const frame::CoarseMask& moving = frame::CoarseMask(kCoarsePixels,
+                                                                                      0)) {
   LightChanges changes;
   for (int frame = 0; frame < kLast; ++frame)
-    changes.remember(wall(pose(frame), grey(frame)), pose(frame), frame::CoarseMask(kPixels, 0),
-                     frame::CoarseMask(kPixels, 0));
-  return changes.changed(wall(pose(kLast), grey(kLast)), seen_from, moving);
+    changes.remember(wall(swaying_pose(frame), grey(frame)), swaying_pose(frame),
+                     frame::CoarseMask(kCoarsePixels, 0), frame::CoarseMask(kCoarsePixels, 0));
+  return changes.changed(wall(swaying_pose(kLast), grey(kLast)), seen_from, moving);
 }
 
 TEST(LightChanges, TheEdgesOfASpotThatMovesAreFound) {
   const frame::CoarseMask changed = changed_at_last(in_sun);
-  const frame::CoarseView view = wall(pose(kLast), in_sun(kLast));
+  const frame::CoarseView view = wall(swaying_pose(kLast), in_sun(kLast));
   int edge = 0, edge_found = 0, away = 0, away_found = 0;
   for (int y = 1; y < 59; ++y)
     for (int x = 1; x < 79; ++x) {
-      const Eigen::Vector3d point = pose(kLast) * view.point(x, y);
+      const Eigen::Vector3d point = swaying_pose(kLast) * view.point(x, y);
       const Eigen::Vector2d from_spot(point.x() - spot_x_m(kLast), point.y());
       // Also where it moves along itself, above and below.
       if (std::abs(from_spot.norm() - 0.3) < 0.02) {
@@ -108,7 +105,8 @@ TEST(LightChanges, ExposureIsNotLightThatMoves) {
 }
 
 TEST(LightChanges, ASpotThatRestsIsSeenALittleAsideAndIsTheSame) {
-  const Rigid3 aside = pose(kLast) * exp_se3((Vector6d() << 0.01, 0.01, 0, 0, 0, 0.003).finished());
+  const Rigid3 aside =
+      swaying_pose(kLast) * exp_se3((Vector6d() << 0.01, 0.01, 0, 0, 0, 0.003).finished());
   const auto still = [](int /*frame*/) -> Grey { return in_sun(30); };
   EXPECT_EQ(count(changed_at_last(still, aside)), 0u);
 }
@@ -127,7 +125,7 @@ TEST(LightChanges, BandsOfMainsLightAreTheExposureOfRows) {
       return plaster(point) * (1 + 0.12 * std::sin(7 * point.y() + 0.9 * frame));
     };
   };
-  EXPECT_LT(count(changed_at_last(bands)), kPixels / 50)
+  EXPECT_LT(count(changed_at_last(bands)), kCoarsePixels / 50)
       << "some along the border, whose rows have neighbours on one side";
 }
 
@@ -141,27 +139,29 @@ TEST(LightChanges, WhereMostOfTheLightChangesNothingIsKnown) {
 }
 
 TEST(LightChanges, WhatMovesIsNotAsked) {
-  EXPECT_EQ(count(changed_at_last(in_sun, pose(kLast), frame::CoarseMask(kPixels, 1))), 0u);
+  EXPECT_EQ(
+      count(changed_at_last(in_sun, swaying_pose(kLast), frame::CoarseMask(kCoarsePixels, 1))), 0u);
 }
 
 TEST(LightChanges, WithoutEarlierViewsThereAreNone) {
-  EXPECT_EQ(
-      count(LightChanges{}.changed(wall(pose(0), plaster), pose(0), frame::CoarseMask(kPixels, 0))),
-      0u);
+  EXPECT_EQ(count(LightChanges{}.changed(wall(swaying_pose(0), plaster), swaying_pose(0),
+                                         frame::CoarseMask(kCoarsePixels, 0))),
+            0u);
   LightChanges changes;
-  changes.remember(wall(pose(0), in_sun(30)), pose(0), frame::CoarseMask(kPixels, 0),
-                   frame::CoarseMask(kPixels, 0));
+  changes.remember(wall(swaying_pose(0), in_sun(30)), swaying_pose(0),
+                   frame::CoarseMask(kCoarsePixels, 0), frame::CoarseMask(kCoarsePixels, 0));
   changes.forget();
-  EXPECT_EQ(count(changes.changed(wall(pose(0), plaster), pose(0), frame::CoarseMask(kPixels, 0))),
+  EXPECT_EQ(count(changes.changed(wall(swaying_pose(0), plaster), swaying_pose(0),
+                                  frame::CoarseMask(kCoarsePixels, 0))),
             0u);
 }
 
 TEST(LightChanges, AreExpectedWhereTheyWereAndGoOnFromWhatWasSaved) {
   LightChanges changes;
-  const frame::CoarseView view = wall(pose(3), plaster);
-  frame::CoarseMask changed(kPixels, 0);
+  const frame::CoarseView view = wall(swaying_pose(3), plaster);
+  frame::CoarseMask changed(kCoarsePixels, 0);
   changed[view.index(40, 30)] = 1;
-  changes.remember(view, pose(3), frame::CoarseMask(kPixels, 0), changed);
+  changes.remember(view, swaying_pose(3), frame::CoarseMask(kCoarsePixels, 0), changed);
   ByteWriter saved;
   changes.save(saved);
   LightChanges restored;
@@ -170,12 +170,12 @@ TEST(LightChanges, AreExpectedWhereTheyWereAndGoOnFromWhatWasSaved) {
   restored.restore(reader);
   ASSERT_TRUE(reader.ok());
   for (const LightChanges* some : {&changes, &restored}) {
-    const frame::CoarseMask expected = some->expected(wall(pose(4), plaster));
+    const frame::CoarseMask expected = some->expected(wall(swaying_pose(4), plaster));
     EXPECT_EQ(expected[view.index(40, 30)], 1u);
     EXPECT_EQ(count(expected), 25u);
-    EXPECT_GT(
-        count(some->changed(wall(pose(4), in_sun(30)), pose(4), frame::CoarseMask(kPixels, 0))),
-        0u);
+    EXPECT_GT(count(some->changed(wall(swaying_pose(4), in_sun(30)), swaying_pose(4),
+                                  frame::CoarseMask(kCoarsePixels, 0))),
+              0u);
   }
 }
 

@@ -4,16 +4,21 @@
 
 #include <algorithm>
 
+#include "tests/support/swaying_camera.h"
+
 namespace hermite::track::moving_regions_test {
 namespace {
 
-constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
-constexpr std::size_t kPixels = 4800;
+using test::count;
+using test::kCoarseCamera;
+using test::kCoarsePixels;
+using test::swaying_pose;
 
 // A wall 3 m away and, before it, a board of 0.5 m width 1.8 m away whose middle is at `board_x_m`.
 frame::CoarseView room(const Rigid3& world_from_camera, double board_x_m, double board_z_m = 1.8) {
-  frame::CoarseView view{kCamera, std::vector<float>(kPixels),
-                         std::vector<Eigen::Vector3f>(kPixels), std::vector<float>(kPixels, 100)};
+  frame::CoarseView view{kCoarseCamera, std::vector<float>(kCoarsePixels),
+                         std::vector<Eigen::Vector3f>(kCoarsePixels),
+                         std::vector<float>(kCoarsePixels, 100)};
   const auto depth_of_plane = [&](const Eigen::Vector3d& ray, double z_m) {
     return (z_m - world_from_camera.translation.z()) / (world_from_camera.rotation * ray).z();
   };
@@ -32,16 +37,6 @@ frame::CoarseView room(const Rigid3& world_from_camera, double board_x_m, double
 
 constexpr double kFar_m = 100;  // where no board is seen
 
-// A hand's sway.
-Rigid3 pose(int frame) {
-  return exp_se3(
-      (Vector6d() << 0.012 * frame, -0.005 * frame, 0.004 * frame, 0, 0.006 * frame, 0).finished());
-}
-
-std::size_t count(const frame::CoarseMask& mask) {
-  return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1u));
-}
-
 // Pixels of the mask that show the board, and those that do not.
 std::pair<double, double> share_of_board_and_room(const frame::CoarseMask& mask,
                                                   const frame::CoarseView& view) {
@@ -57,11 +52,12 @@ std::pair<double, double> share_of_board_and_room(const frame::CoarseMask& mask,
 TEST(MovingRegions, OfAStillRoomAreNone) {
   MovingRegions regions;
   for (int frame = 0; frame < 60; ++frame) {
-    const frame::CoarseView view = room(pose(frame), 0.1);
-    const frame::CoarseMask moving = regions.contradicted(view, surfaces_of(view), pose(frame));
+    const frame::CoarseView view = room(swaying_pose(frame), 0.1);
+    const frame::CoarseMask moving =
+        regions.contradicted(view, surfaces_of(view), swaying_pose(frame));
     EXPECT_EQ(count(moving), 0u) << frame;
     EXPECT_EQ(count(regions.expected(view)), 0u) << frame;
-    regions.remember(view, pose(frame), moving);
+    regions.remember(view, swaying_pose(frame), moving);
   }
 }
 
@@ -69,9 +65,10 @@ TEST(MovingRegions, AreWhereSomebodyCrosses) {
   MovingRegions regions;
   for (int frame = 0; frame < 40; ++frame) {
     const double board_x_m =
-        frame < 10 ? kFar_m : -1.2 + 0.05 * (frame - 10) + pose(frame).translation.x();
-    const frame::CoarseView view = room(pose(frame), board_x_m);
-    const frame::CoarseMask moving = regions.contradicted(view, surfaces_of(view), pose(frame));
+        frame < 10 ? kFar_m : -1.2 + 0.05 * (frame - 10) + swaying_pose(frame).translation.x();
+    const frame::CoarseView view = room(swaying_pose(frame), board_x_m);
+    const frame::CoarseMask moving =
+        regions.contradicted(view, surfaces_of(view), swaying_pose(frame));
     const auto [board, rest] = share_of_board_and_room(moving, view);
     if (frame >= 18) {
       EXPECT_GT(board, 0.9) << frame;
@@ -79,8 +76,8 @@ TEST(MovingRegions, AreWhereSomebodyCrosses) {
     }
     // The region is found in the next frame before its pose is known, one coarse pixel around it
     // included.
-    regions.remember(view, pose(frame), moving);
-    const frame::CoarseView next = room(pose(frame + 1), board_x_m + 0.05);
+    regions.remember(view, swaying_pose(frame), moving);
+    const frame::CoarseView next = room(swaying_pose(frame + 1), board_x_m + 0.05);
     if (frame >= 18) {
       EXPECT_GT(share_of_board_and_room(regions.expected(next), next).first, 0.9) << frame;
     }
@@ -91,9 +88,10 @@ TEST(MovingRegions, EndWhenWhatMovedHasRestedForASecond) {
   MovingRegions regions;
   int frame = 0;
   const auto see = [&](double board_x_m) {
-    const frame::CoarseView view = room(pose(frame), board_x_m);
-    const frame::CoarseMask moving = regions.contradicted(view, surfaces_of(view), pose(frame));
-    regions.remember(view, pose(frame), moving);
+    const frame::CoarseView view = room(swaying_pose(frame), board_x_m);
+    const frame::CoarseMask moving =
+        regions.contradicted(view, surfaces_of(view), swaying_pose(frame));
+    regions.remember(view, swaying_pose(frame), moving);
     ++frame;
     return count(moving);
   };
@@ -107,26 +105,29 @@ TEST(MovingRegions, EndWhenWhatMovedHasRestedForASecond) {
 TEST(MovingRegions, OfAWrongPoseAreNotBelieved) {
   MovingRegions regions;
   for (int frame = 0; frame < 12; ++frame)
-    regions.remember(room(pose(frame), kFar_m), pose(frame), frame::CoarseMask(kPixels, 0));
-  const Rigid3 wrong = pose(12) * exp_se3((Vector6d() << 0, 0, -0.6, 0, 0, 0).finished());
-  const frame::CoarseView view = room(pose(12), kFar_m);
+    regions.remember(room(swaying_pose(frame), kFar_m), swaying_pose(frame),
+                     frame::CoarseMask(kCoarsePixels, 0));
+  const Rigid3 wrong = swaying_pose(12) * exp_se3((Vector6d() << 0, 0, -0.6, 0, 0, 0).finished());
+  const frame::CoarseView view = room(swaying_pose(12), kFar_m);
   EXPECT_EQ(count(regions.contradicted(view, surfaces_of(view), wrong)), 0u);
 }
 
 TEST(MovingRegions, AreForgottenWithTheirViews) {
   MovingRegions regions;
   for (int frame = 0; frame < 12; ++frame)
-    regions.remember(room(pose(frame), kFar_m), pose(frame), frame::CoarseMask(kPixels, 0));
-  const frame::CoarseView view = room(pose(12), 0);
-  EXPECT_GT(count(regions.contradicted(view, surfaces_of(view), pose(12))), 0u);
+    regions.remember(room(swaying_pose(frame), kFar_m), swaying_pose(frame),
+                     frame::CoarseMask(kCoarsePixels, 0));
+  const frame::CoarseView view = room(swaying_pose(12), 0);
+  EXPECT_GT(count(regions.contradicted(view, surfaces_of(view), swaying_pose(12))), 0u);
   regions.forget();
-  EXPECT_EQ(count(regions.contradicted(view, surfaces_of(view), pose(12))), 0u);
+  EXPECT_EQ(count(regions.contradicted(view, surfaces_of(view), swaying_pose(12))), 0u);
 }
 
 TEST(MovingRegions, GoOnFromWhatWasSaved) {
   MovingRegions before;
   for (int frame = 0; frame < 12; ++frame)
-    before.remember(room(pose(frame), kFar_m), pose(frame), frame::CoarseMask(kPixels, 0));
+    before.remember(room(swaying_pose(frame), kFar_m), swaying_pose(frame),
+                    frame::CoarseMask(kCoarsePixels, 0));
   ByteWriter bytes;
   before.save(bytes);
   const std::string saved = bytes.take();
@@ -134,9 +135,9 @@ TEST(MovingRegions, GoOnFromWhatWasSaved) {
   ByteReader reader(saved);
   after.restore(reader);
   ASSERT_TRUE(reader.status().ok());
-  const frame::CoarseView view = room(pose(12), 0);
-  EXPECT_EQ(after.contradicted(view, surfaces_of(view), pose(12)),
-            before.contradicted(view, surfaces_of(view), pose(12)));
+  const frame::CoarseView view = room(swaying_pose(12), 0);
+  EXPECT_EQ(after.contradicted(view, surfaces_of(view), swaying_pose(12)),
+            before.contradicted(view, surfaces_of(view), swaying_pose(12)));
   ByteReader shorter(std::string_view(saved).substr(0, saved.size() - 5));
   after.restore(shorter);
   EXPECT_FALSE(shorter.status().ok());
