@@ -20,7 +20,7 @@ enum class SettingKind { kText, kNumber, kFlag, kList };
 struct ServiceSetting {
   std::string key;  // "max-scans"
   SettingKind kind = SettingKind::kText;
-  // As in the file: "\"127.0.0.1:8080\"", "4", "true", "[ \"a\", \"b\" ]".
+  // As in the file: "\"127.0.0.1:8080\"", "4", "true", "[\"a\", \"b\"]".
   std::string value;
   std::string limits;       // "1 to 64 scans", "auto, json or text"; empty for free text
   std::string environment;  // "HERMITE_SERVE_MAX_SCANS"

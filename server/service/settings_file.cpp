@@ -85,9 +85,10 @@ std::string toml_of(const SettingRow& row, const ServiceOptions& options) {
       [&options](const auto field) {
         const auto& value = options.*field;
         if constexpr (std::is_same_v<decltype(value), const std::vector<std::string>&>) {
-          toml::array list;
-          for (const std::string& entry : value) list.push_back(entry);
-          return as_toml(list);
+          std::string list;
+          for (const std::string& entry : value)
+            list += (list.empty() ? "" : ", ") + as_toml(toml::value(entry));
+          return '[' + list + ']';
         } else {
           return as_toml(toml::value(value));
         }
