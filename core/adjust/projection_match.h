@@ -33,9 +33,9 @@ struct ProjectionOptions {
 //   its octave is at most one off the octave expected at the landmark's distance,
 //   its orientation is within 30 degrees of that of the feature that saw the landmark last,
 //   its depth, if any, is the landmark's within three standard deviations or 3 cm (drift between
-//   submaps that is not yet corrected is of centimetres; another surface is usually farther), and
-//   the landmark was last seen from within 60 degrees of this direction (corners look different
-//   beyond).
+//       submaps that is not yet corrected is of centimetres; another surface is usually farther),
+//   and the landmark was last seen from within 60 degrees of this direction (corners look different
+//       beyond).
 // Every feature and every landmark is used at most once, nearest descriptors first. Landmarks
 // without observations are skipped. Ordered by feature.
 std::vector<LandmarkMatch> match_projected(const SparseMap& map,

@@ -11,7 +11,8 @@
 // adjusted jointly to the rest (joint_adjustment.h). Parameters are fixed one after another and the
 // rest is adjusted again, until each remaining parameter
 //   is plausible: cameras can be off by that much. Otherwise it compensates for something else,
-//   such as a rolling shutter or unsynchronised images; is significant, and large enough to matter;
+//       such as a rolling shutter or unsynchronised images;
+//   is significant, and large enough to matter;
 //   is confirmed by each half of the recording, as far as that half determines it;
 //   makes the held-out pairs agree better than without it;
 // and until all together agree better than the given camera with poses adjusted to it. Otherwise

@@ -4,19 +4,18 @@
 // camera.json is one object: width, height (pixels), fx, fy, cx, cy (pixels, pixel centres are
 // integers), depth_units_per_metre and, optionally, frame_rate_hz and
 //   color_distortion  an object with any of k1, k2, p1, p2, k3: the distortion of the colour image.
-//   If depth is registered
-//                     to the distorted colour image, that of both.
+//                     If depth is registered to the distorted colour image, that of both.
 //   color_camera      if depth is not registered: an object with fx, fy, cx, cy and
-//   color_from_depth, three rows of four
-//                     numbers [R | t in metres]. The outer fx, fy, cx, cy are then of the depth
-//                     image. null: depth is registered, whatever the format of the folder suggests.
+//                     color_from_depth, three rows of four numbers [R | t in metres]. The outer fx,
+//                     fy, cx, cy are then of the depth image. null: depth is registered, whatever
+//                     the format of the folder suggests.
 //   depth_distortion  only together with color_camera: the distortion of the depth image.
 //   depth_correction  an object with any of bend and inverse_offset_per_m
-//   (Camera::depth_correction): the error of depth
-//                     as recorded. Written by `hermite calibrate`.
+//                     (Camera::depth_correction): the error of depth as recorded. Written by
+//                     `hermite calibrate`.
 //   timing            an object with any of depth_readout_s, color_readout_s and color_delay_s
-//   (Camera::timing): when the
-//                     rows of the images are taken. Written by `hermite calibrate`.
+//                     (Camera::timing): when the rows of the images are taken. Written by `hermite
+//                     calibrate`.
 // Other keys are ignored.
 #pragma once
 

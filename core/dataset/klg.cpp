@@ -1,7 +1,7 @@
 // .klg, the logs of ElasticFusion, Kintinuous and Logger2. Little endian, no magic number:
 //   i32  num_frames
 //   then each  i64 timestamp [us], i32 depth_size, i32 color_size, depth_size bytes, color_size
-//   bytes
+//              bytes
 // Depth is in millimetres, raw or zlib; colour is raw r, g, b, JPEG, or absent. The file contains
 // neither the camera nor the image size: they come from FILE.camera.json or a camera.json beside
 // the file, otherwise from the images and ElasticFusion's default. A trajectory in

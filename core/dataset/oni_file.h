@@ -1,15 +1,18 @@
 // The structure of an .oni file, a recording of OpenNI 1 or 2. Little endian, nothing between the
 // fields:
 //   "NI10", u8 major, u8 minor, u16 maintenance, u32 build, u64 greatest time stamp, u32 greatest
-//   node id records: u32 "NIR\0", type, node id, bytes of header and fields, bytes of payload, u64
-//   position of the record that this
-//            one replaces (u32 before version 1.0.1.0); fields; payload. Types:
+//       node id
+//   records: u32 "NIR\0", type, node id, bytes of header and fields, bytes of payload, u64 position
+//            of the record that this one replaces (u32 before version 1.0.1.0); fields; payload.
+//            Types:
 //     0x02, 0x0c, 0x0d  a node begins: string name, u32 kind (2 depth, 3 colour), u32 codec; the
-//     rest varies and is ignored 0x03 to 0x06      a property: string name, u32 bytes, value. A
-//     string is u32 bytes, including a final zero, and these 0x0a              an image: u64 time
-//     stamp [us], u32 number; the payload is the image in the node's codec 0x0b              the
-//     end. Anything after it is ignored: Debian's OpenNI2 appends as many zeros as the file had
-//     bytes
+//                       rest varies and is ignored
+//     0x03 to 0x06      a property: string name, u32 bytes, value. A string is u32 bytes, including
+//                       a final zero, and these
+//     0x0a              an image: u64 time stamp [us], u32 number; the payload is the image in the
+//                       node's codec
+//     0x0b              the end. Anything after it is ignored: Debian's OpenNI2 appends as many
+//                       zeros as the file had bytes
 // Other types (states, seek tables) are skipped. One pass reads headers and fields; images stay in
 // the file.
 #pragma once

@@ -1,11 +1,12 @@
 // .sens, ScanNet's container, version 4. Little endian, nothing between the fields:
 //   u32 version (4), u64 length and that many bytes of the sensor's name
 //   f32[16] each, row by row: colour intrinsics, colour extrinsics, depth intrinsics, depth
-//   extrinsics i32 colour coding (0 raw, 1 PNG, 2 JPEG), i32 depth coding (0 raw, 1 zlib; 2 is of
-//   the Occipital SDK and unsupported) u32 colour width, height, depth width, height; f32 depth
-//   units per metre; u64 num_frames each frame: f32[16] world_from_camera, u64 colour and depth
-//   time stamp [us], u64 colour and depth size, colour bytes,
-//               depth bytes
+//       extrinsics
+//   i32 colour coding (0 raw, 1 PNG, 2 JPEG), i32 depth coding (0 raw, 1 zlib; 2 is of the
+//       Occipital SDK and unsupported)
+//   u32 colour width, height, depth width, height; f32 depth units per metre; u64 num_frames
+//   each frame: f32[16] world_from_camera, u64 colour and depth time stamp [us], u64 colour and
+//               depth size, colour bytes, depth bytes
 //   u64 number of IMU frames of 128 bytes each, which are ignored
 // Extrinsics transform each camera to a common coordinate frame. Colour is resized to the size of
 // depth; if both then have the same camera within half a pixel, depth counts as registered, as in

@@ -3,7 +3,7 @@
 //
 // Appended to any source (open_sequence), with or without options:
 //   +bend       depth times 1 + percent / 100 * the squared distance from the middle of the image,
-//   1 in the corners
+//               1 in the corners
 //     percent   -10 to 10 (1.5)
 //   +sparse     depth only where the image has most texture, in blobs, as from stereo
 //     keep      0.01 to 1 (0.1)     share of the pixels with depth that is kept

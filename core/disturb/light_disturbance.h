@@ -3,21 +3,21 @@
 //
 // Appended to any source (open_sequence), with or without options:
 //   +headlamp     the light moves with the camera: what is near or in the middle of the image is
-//   bright
+//                 bright
 //     ambient     0 to 1 (0.2)      the part of the light that does not move
 //     reference_m 0.1 to 10 (1.8)   from this distance the middle of the image is as bright as in
-//     the original
+//                                   the original
 //   +lamp         from one moment on, the left half of the scene is dark, as when one of two lamps
-//   is switched off
+//                 is switched off
 //     at_s        0 to 3600 (2)     from the first frame
 //     dim         0 to 1 (0.4)      gain far to the left of the middle of the scene; the transition
-//     is 1 m wide
+//                                   is 1 m wide
 //   +sun          a bright spot, as of the sun between leaves, that moves over the surfaces
 //     gain        1 to 4 (1.8)
 //     width_m     0.05 to 5 (0.6)
 //     speed_m_s   0 to 2 (0.3)
 //   +balance      the white balance of the camera: red times 1 + amplitude * sin(2 pi t /
-//   period_s), blue times 1 - the same
+//                 period_s), blue times 1 - the same
 //     amplitude   0 to 0.9 (0.2)
 //     period_s    0.01 to 3600 (3)
 // Gains apply to the sRGB bytes; results are clamped to 0 to 255. The colour becomes a JPEG.

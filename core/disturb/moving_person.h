@@ -5,13 +5,12 @@
 // Appended to any source (open_sequence), with or without options:
 //   +person
 //     path        cross, ahead (cross)   cross: walks through the view from right to left at 0.8
-//     m/s, in the middle of it
-//                                        at the middle frame; ahead: walks in front of the camera
-//                                        wherever that goes
+//                                        m/s, in the middle of it at the middle frame; ahead: walks
+//                                        in front of the camera wherever that goes
 //     clothes     checked, plain (checked)
 //     distance_m  0.6 to 10 (1.9; ahead 1.7)   from the camera; for cross, at the middle frame
 //     still_s     0 to 60 (0)          time from the first frame on for which the person stands
-//     where the walk then begins
+//                                      where the walk then begins
 // The head is 0.15 m above the camera; for cross, at the middle frame. Up is the signed axis of the
 // world that is nearest to the mean of the camera's up direction. The depth has no noise: append
 // +noise after it. The ground truth remains that of the camera.

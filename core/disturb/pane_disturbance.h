@@ -6,21 +6,22 @@
 // or without options:
 //   +mirror       depth and colour are those of the reflection, which is behind the mirror
 //   +glass        depth is partly that of what is behind the pane, partly missing, and partly that
-//   of the pane where it is
-//                 dirty; the colour is that of what is behind it, unchanged
+//                 of the pane where it is dirty; the colour is that of what is behind it, unchanged
 //   +screen       a picture with checks of 12 cm that moves across an opaque pane
 //   +door         an opaque pane that swings about its left edge, closed at the first frame
 //     width_m, height_m   0.1 to 10 (mirror 0.8, glass 1, screen 1.2 x 0.7, door 0.9 x 2)
 //     distance_m  0.3 to 10 (1.6)     of the pane's centre, along the optical axis of the middle
-//     frame turn_deg    -80 to 80 (mirror 45, glass 0)   about the upright axis, from facing the
-//     camera of the middle frame to
-//                 the left
+//                                     frame
+//     turn_deg    -80 to 80 (mirror 45, glass 0)   about the upright axis, from facing the camera
+//                 of the middle frame to the left
 //     speed_m_s   -10 to 10 (0.3)     screen only
 //     swing_deg   -170 to 170 (60)    door only: when it is widest open, after half a period
 //     period_s    0.5 to 3600 (4)     door only
 //     holes       0 to 1 (0.3)        glass only: share of the pane without depth: squares of 4 cm,
-//     different in each frame specks      0 to 1 (0.05)       glass only: share of the pane that is
-//     measured: squares of 1 cm that stay in place seed        0 to 2^63 - 1 (1)   glass only
+//                                     different in each frame
+//     specks      0 to 1 (0.05)       glass only: share of the pane that is measured: squares of 1
+//                                     cm that stay in place
+//     seed        0 to 2^63 - 1 (1)   glass only
 // Nearer surfaces hide the pane; pixels without depth are taken to be behind it. From its back a
 // mirror is invisible. The mirror shows what up to 24 frames, spread over the sequence, have seen
 // of the room in front of it: their depth images as triangles, mirrored. What none of them has seen

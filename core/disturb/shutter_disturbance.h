@@ -4,8 +4,7 @@
 // Appended to any source that has ground truth and depth registered to colour (open_sequence), with
 // or without options:
 //   +rolling   a rolling shutter: each row of depth and colour is taken at its own time, the middle
-//   of the image at the
-//              time stamp
+//              of the image at the time stamp
 //     ms       0 to 100 (30)      from the first row to the last
 //   +clock     colour is taken later than the depth of the same frame, which has the time stamp
 //     ms       -100 to 100 (16)   negative: earlier

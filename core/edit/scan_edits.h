@@ -46,9 +46,8 @@ struct ScanEdits {
 };
 
 // Parses {"version": 3, "edits": [{"kind": "keep_inside", "box": {"axes": [[x, y, z], ...],
-// "low_m": [...], "high_m": [...]}},
-// {"kind": "remove_floating", "smaller_than_m": 0.3}]}. kInvalidArgument, with a message that names
-// the field and the limit.
+// "low_m": [...], "high_m": [...]}}, {"kind": "remove_floating", "smaller_than_m": 0.3}]}.
+// kInvalidArgument, with a message that names the field and the limit.
 Result<ScanEdits> parse_scan_edits(const std::string& json);
 std::string format_scan_edits(const ScanEdits& edits);
 

@@ -4,8 +4,9 @@
 //   images/frame_000123.jpg ...          undistorted keyframes, see photo_set.h
 //   sparse/0/cameras.txt                 one PINHOLE camera
 //   sparse/0/images.txt                  camera_from_world: quaternion (w first), translation [m];
-//   the points seen there sparse/0/points3D.txt                the thinned cloud: position [m],
-//   colour, error 0, and the images that see it
+//                                        the points seen there
+//   sparse/0/points3D.txt                the thinned cloud: position [m], colour, error 0, and the
+//                                        images that see it
 //
 // The world is the scan's. In COLMAP the first pixel begins at 0, here at -0.5, so positions, cx
 // and cy are larger by 0.5. One thread.

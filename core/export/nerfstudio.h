@@ -1,10 +1,12 @@
 // A folder that nerfstudio trains from (docs.nerf.studio, "Custom Dataset"):
 //
 //   transforms.json                      intrinsics, and per image world_from_camera with x right,
-//   y up, looking along -z images/frame_000123.jpg ...          undistorted keyframes, see
-//   photo_set.h depth/frame_000123.png ...           16 bits, millimetres (nerfstudio's default),
-//   0: not measured or beyond 65 m points.ply                           the thinned cloud with
-//   normals and colours, as format_ply writes it
+//                                        y up, looking along -z
+//   images/frame_000123.jpg ...          undistorted keyframes, see photo_set.h
+//   depth/frame_000123.png ...           16 bits, millimetres (nerfstudio's default), 0: not
+//                                        measured or beyond 65 m
+//   points.ply                           the thinned cloud with normals and colours, as format_ply
+//                                        writes it
 //
 // The world is the scan's. As in COLMAP, the first pixel begins at 0, here at -0.5. One thread.
 #pragma once

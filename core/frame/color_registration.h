@@ -3,14 +3,12 @@
 // Each pixel of the depth image is a point; its colour is interpolated between the four pixels of
 // the colour image around the point's projection.
 //  - A pixel without depth gets the farthest depth of the smallest block around it (sides of 2, 4,
-//  8, ...
-//    pixels) that has any, because missing depth is mostly the projector's shadow of a near object
-//    on a far one, or out of range.
+//    8, ... pixels) that has any, because missing depth is mostly the projector's shadow of a near
+//    object on a far one, or out of range.
 //  - If something nearer occludes the point in the colour camera, its colour is taken from the
-//  farther end of
-//    the occluded stretch of its row: the near object's colour would be wrong, and black would stay
-//    in the map. Occlusion is only found within rows, because the lenses of known devices are side
-//    by side; for lenses above each other, near colours leak.
+//    farther end of the occluded stretch of its row: the near object's colour would be wrong, and
+//    black would stay in the map. Occlusion is only found within rows, because the lenses of known
+//    devices are side by side; for lenses above each other, near colours leak.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,8 +1,9 @@
 // A list of dispatches, fills and copies that run in order; each sees all writes of those before
 // it.
 //
-//   commands.dispatch(gradient_, {width, height}, params, {{"intensity", intensity_}, {"image",
-//   image_}}); commands.submit_and_wait();
+//   commands.dispatch(gradient_, {width, height}, params,
+//                     {{"intensity", intensity_}, {"image", image_}});
+//   commands.submit_and_wait();
 //
 // Recording takes a few microseconds and does not allocate memory once lists have reached their
 // usual length. Buffers and kernels must live until submit_and_wait() returns.

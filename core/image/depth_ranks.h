@@ -6,13 +6,13 @@
 // Bytes, numbers low byte first:
 //   checksum       32 bits, of the pixels
 //   header         bits, lowest of a byte first, the last byte filled with zeros; gamma codes as in
-//   bit_stream.h
+//                  bit_stream.h
 //     dictionary   1 bit. 1: gamma(count + 1), then for each value, ascending, gamma(value - the
-//     one before, 0 at first).
+//                  one before, 0 at first).
 //                  0: the ranks are the values.
 //     frequencies  for each context: 1 bit. 0: it is not used. 1: for each symbol in use,
-//     ascending, gamma(symbols skipped + 1) and
-//                  gamma(frequency), until the frequencies sum up to kFrequencySum.
+//                  ascending, gamma(symbols skipped + 1) and gamma(frequency), until the
+//                  frequencies sum up to kFrequencySum.
 //   words          rANS (rans.h), to the end
 //
 // The image falls into two bands, the upper one a row higher if the rows are odd; each has its

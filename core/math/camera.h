@@ -23,8 +23,7 @@ inline constexpr double kMaxBend = 0.1;
 inline constexpr double kMaxInverseOffset_per_m = 0.05;
 
 // Lens distortion as in OpenCV: x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2
-// x^2), y' alike, at z =
-// 1. Zero: none.
+// x^2), y' alike, at z = 1. Zero: none.
 struct Distortion {
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
   bool operator==(const Distortion&) const = default;
@@ -114,11 +113,11 @@ Camera rectified(const Camera& camera);
 // Returns kInvalidArgument, naming the field and its limits, for sizes outside [kMinImageSide_px,
 // kMaxImageSide_px], focal lengths that are not positive and finite or give a field of view outside
 // 10 to 150 degrees, a principal point outside the image, a depth scale outside [1, 1e6], a bend
-// beyond +-kMaxBend, an inverse offset beyond
-// +-kMaxInverseOffset_per_m, readouts beyond +-kMaxReadout_s, a delay beyond +-kMaxColorDelay_s,
-// and a distortion that moves a corner of the image by more than a quarter of its width; the same
-// for the colour camera (fields camera.color.*), and for a color_from_depth with a quaternion that
-// is not of unit length within 1e-3 or a translation of more than kMaxColorBaseline_m.
+// beyond +-kMaxBend, an inverse offset beyond +-kMaxInverseOffset_per_m, readouts beyond
+// +-kMaxReadout_s, a delay beyond +-kMaxColorDelay_s, and a distortion that moves a corner of the
+// image by more than a quarter of its width; the same for the colour camera (fields
+// camera.color.*), and for a color_from_depth with a quaternion that is not of unit length within
+// 1e-3 or a translation of more than kMaxColorBaseline_m.
 Status validate(const Camera& camera);
 
 }  // namespace hermite

@@ -1,8 +1,8 @@
 // The closed-form Hermite RBF implicit function of a set of oriented points (paper Eq. 2 and 3) in
 // double precision: the reference for the shaders.
 //
-//   f(x) = sum_j (200 / r_j^2) s^3 n_j.(x - p_j),   s = 1 - |x - p_j| / r_j  inside the support,
-//   else 0
+//   f(x) = sum_j (200 / r_j^2) s^3 n_j.(x - p_j),
+//   s = 1 - |x - p_j| / r_j  inside the support, else 0
 //
 // The coefficient is constant (10 instead of r^2 / (20 + eta r^2) in Eq. 3), for which the paper's
 // confidence (Eq. 5) is scaled; the zero set does not depend on it. All points are in one

@@ -4,8 +4,8 @@
 //   LiveSurface surface(*cell_for(surfels));
 //   surface.place(submaps, now);
 //   surface.apply(changes, now);
-//   while (std::optional<SurfaceCube> cube = surface.next(eye_m, now)) if (auto mesh =
-//   surface.contour(*cube, now)) show(*mesh);
+//   while (std::optional<SurfaceCube> cube = surface.next(eye_m, now))
+//     if (auto mesh = surface.contour(*cube, now)) show(*mesh);
 //
 // Cubes of kCubeCells cells lie in a world grid, one for each part of the map, and contain the
 // surfels of all submaps there, so that overlapping submaps give one surface. The mesh of a cube is

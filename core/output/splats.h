@@ -5,13 +5,12 @@
 //
 //   colour     f_dc, the spherical harmonics of degree 0: (sRGB / 255 - 0.5) / 0.28209
 //   opacity    0.95 as its logit: at the centre of four points, where it is least, 6 % of the light
-//   passes
-//              through all of them
+//              passes through all of them
 //   scale      logarithms of the standard deviations [m] along the axes of rot: two are
-//   kSplatSigmas times
-//              the spacing of the points (spacing.h), the third is the thickness. A surfel's radius
-//              is the reach of its kernel, about 4 pixels at its depth, so splats of that size
-//              would blur finer detail; but it limits the spacing of a point with few neighbours.
+//              kSplatSigmas times the spacing of the points (spacing.h), the third is the
+//              thickness. A surfel's radius is the reach of its kernel, about 4 pixels at its
+//              depth, so splats of that size would blur finer detail; but it limits the spacing of
+//              a point with few neighbours.
 //   thickness  a tenth of that, or the deviation of the curved surface within it, if larger
 //   rotation   a quaternion, w first, that rotates the third axis to the normal
 #pragma once

@@ -2,7 +2,7 @@
 // Pure functions, except program_identity().
 //
 //   "HRMCKPT1", u64 count, then for each condition two texts: its name and its value
-//   (core/base/byte_stream.h)
+//       (core/base/byte_stream.h)
 //
 // The state of the pipeline, its front end and its mapping follows. There is no checksum; whoever
 // stores a checkpoint adds one. Reading validates the content so far that no bytes, whatever they

@@ -4,15 +4,18 @@
 // Little endian, nothing between the fields:
 //   8 bytes  "HRMFRAME"
 //   u32      version, 1 and, where they are there, 1, 2 and 4 more for the second, third and fourth
-//   group of f64 u32      width, height of depth and colour [px] u32      frame_count, 1 to
-//   kMaxRawFrames f64      fx, fy, cx, cy [px], depth_units_per_metre, k1, k2, p1, p2, k3
-//   (core/math/camera.h) f64      second group, written where a camera of its own took the colour:
-//   fx, fy, cx, cy, k1, k2, p1, p2, k3 of that,
-//            color_from_depth as quaternion x, y, z, w and translation x, y, z [m]
+//            group of f64
+//   u32      width, height of depth and colour [px]
+//   u32      frame_count, 1 to kMaxRawFrames
+//   f64      fx, fy, cx, cy [px], depth_units_per_metre, k1, k2, p1, p2, k3 (core/math/camera.h)
+//   f64      second group, written where a camera of its own took the colour: fx, fy, cx, cy, k1,
+//            k2, p1, p2, k3 of that, color_from_depth as quaternion x, y, z, w and translation x,
+//            y, z [m]
 //   f64      third group, written where the sensor distorts depth: bend, inverse_offset_per_m
 //   f64      fourth group, written where rows are taken at different times: depth_readout_s,
-//   color_readout_s, color_delay_s frames   each f64 timestamp_s, width * height u16 depth in
-//   sensor units, width * height times r, g, b as u8
+//            color_readout_s, color_delay_s
+//   frames   each f64 timestamp_s, width * height u16 depth in sensor units, width * height times
+//            r, g, b as u8
 // So the header tells the size of the file. Any other size is a file cut short, or no such file.
 //
 // Both ends: one thread at a time. Movable.

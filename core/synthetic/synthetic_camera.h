@@ -4,24 +4,23 @@
 //
 // "synthetic[:key=value,...]":
 //   frames    1 to 1000000 (300)          number of frames; a lap takes 10 s in the room at speed
-//   1, in larger scenes 44 to
-//             62 s
+//                                         1, in larger scenes 44 to 62 s
 //   width, height  64 to 2048 (640x480)   pixels; the horizontal field of view is always 62.7
-//   degrees rate      1 to 240 (30)               frames per second start     0 to 10000 (0)
-//   seconds on the path at which the first frame is taken: another path of the same camera speed
-//   0.05 to 5 (1)               of the hand: 1 is about 0.45 m/s and 37 degrees/s; more frames mean
-//   more laps, not
-//             a faster hand
+//                                         degrees
+//   rate      1 to 240 (30)               frames per second
+//   start     0 to 10000 (0)              seconds on the path at which the first frame is taken:
+//                                         another path of the same camera
+//   speed     0.05 to 5 (1)               of the hand: 1 is about 0.45 m/s and 37 degrees/s; more
+//                                         frames mean more laps, not a faster hand
 //   noise     none, gaussian, kinect, kinect-white (none)   see depth_noise.h
 //   sigma_mm  0 to 200 (3)                only for noise=gaussian
 //   seed      0 to 2^63 - 1 (1)           of the noise
 //   scene     room, bare, loop, twins, office, blank, turntable, poster (room)   bare: the same
-//   room without furniture; the
-//             others in synthetic_room.h
+//             room without furniture; the others in synthetic_room.h
 //   moved     OBJECT:DX:DY:DZ/...          objects that stand elsewhere than usual [mm], see
-//   room_changes.h; in scene=room: lamp, sofa,
-//             desk, screen, mug, chair, chair2, door, plant, divider, table, vase, globe, ring,
-//             cabinet, bowl, jar, ball, blocks
+//                                          room_changes.h; in scene=room: lamp, sofa, desk, screen,
+//                                          mug, chair, chair2, door, plant, divider, table, vase,
+//                                          globe, ring, cabinet, bowl, jar, ball, blocks
 //   removed   OBJECT/...                   objects that are not there
 // With scene=turntable the camera stands still and a plate with objects turns in front of it, once
 // in 20 s at speed 1. Its ground truth is in the coordinate frame of the plate, z up, the axis at x

@@ -24,9 +24,9 @@ std::vector<std::array<std::uint32_t, 3>> neighbours_of(const output::TriangleMe
 
 // Grows charts over adjacent triangles while
 //   - the smoothed normal stays within 45 degrees of the chart's mean, and the triangle's own
-//   within 75: noise ends no chart,
+//     within 75: noise ends no chart,
 //   - the chart stays within a square of `max_side_m`, projected along its first normal; a single
-//   triangle may be larger.
+//     triangle may be larger.
 // Small charts are then merged into adjacent large ones whose normals are within 75 degrees of
 // their triangles. Each triangle of `candidates` is then in exactly one chart. Deterministic: grows
 // breadth first from the lowest triangle that is left.

@@ -36,9 +36,8 @@ inline constexpr std::string_view kNoFrames = "'none'";
 Result<std::string> frame_ancestors(const std::vector<std::string>& sites);
 
 // Returns the key under which limits count an address: an IPv4 address itself; for an IPv6 address
-// its network
-// ("2001:db8:1:2::/64", since one customer has all of it); for an IPv4 address mapped into IPv6 the
-// IPv4 address. Other text is returned unchanged.
+// its network ("2001:db8:1:2::/64", since one customer has all of it); for an IPv4 address mapped
+// into IPv6 the IPv4 address. Other text is returned unchanged.
 std::string address_group(const std::string& address);
 
 struct ListenAddress {

@@ -6,7 +6,7 @@
 //   "name"    display name, at most 100 bytes
 //   "scopes"  of a token: a list of "view", "scan", "admin"; default ["view", "scan"]
 //   "days"    until it expires: of a token 0 to 3650, 0 for never, default 365; of a share link 1
-//   to 365, default 7
+//             to 365, default 7
 #pragma once
 
 #include <cstdint>

@@ -7,9 +7,9 @@
 // If head is removed as well, that entry shows it, and so do the number and hash that the server
 // writes to its own log at every start and for every new file.
 //
-//   {"n": 7, "at": "2024-05-01T12:00:00.123Z", "token": id, "address": "10.0.0.1", "did": "DELETE
-//   scan", "to": id, "outcome": "200",
-//    "count": 1, "prev": hash of entry 6, "hash": SHA-256 of this line without "hash"}
+//   {"n": 7, "at": "2024-05-01T12:00:00.123Z", "token": id, "address": "10.0.0.1",
+//    "did": "DELETE scan", "to": id, "outcome": "200", "count": 1, "prev": hash of entry 6,
+//    "hash": SHA-256 of this line without "hash"}
 //
 // Nobody can wash evidence out of the files that are kept by doing something harmless again and
 // again: of each kind of action of a token the first kSingleEntries are entries of their own, and

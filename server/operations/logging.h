@@ -1,8 +1,8 @@
 // Logs lines to stderr: JSON objects for journald and log collectors, text for people. Uses spdlog;
 // spdlog::info(...) and the like use this logger, too, once it is the default one.
 //
-//   {"ts":"2026-01-31T12:00:00.123Z","level":"info","msg":"...","session":"<scan
-//   id>","remote":"192.0.2.7","duration":1.25}
+//   {"ts":"2026-01-31T12:00:00.123Z","level":"info","msg":"...",
+//    "session":"<scan id>","remote":"192.0.2.7","duration":1.25}
 //
 // The last three fields are present if known, `duration` in seconds. No token is logged: anything
 // that looks like one (32 or more consecutive hex digits, or what follows "token=") is replaced. Of

@@ -3,8 +3,9 @@
 //
 //   GET /healthz             "ok": the event loop runs
 //   GET /readyz              200 "ready", or 503 and one line per reason: draining, the database,
-//   the disk, S3, the GPU GET /metrics             text format of Prometheus GET
-//   /debug/trace?scan=ID the last minute of a scan's frames for chrome://tracing
+//                            the disk, S3, the GPU
+//   GET /metrics             text format of Prometheus
+//   GET /debug/trace?scan=ID the last minute of a scan's frames for chrome://tracing
 #pragma once
 
 #include <chrono>

@@ -3,10 +3,9 @@
 //
 // The body of POST is {"position_m": [x, y, z], "text": ..., "view": {"position_m": [x, y, z],
 // "target_m": [x, y, z]}}, in the world frame of the scan; the view, from which it was written, may
-// be left out. That of PATCH is
-// {"text": ..., "version": N}, and DELETE has ?version=N: the version that the client has read. If
-// the note has another one by now, nothing changes, and the answer is a 409 with the note beside
-// the error, so that no text is lost.
+// be left out. That of PATCH is {"text": ..., "version": N}, and DELETE has ?version=N: the version
+// that the client has read. If the note has another one by now, nothing changes, and the answer is
+// a 409 with the note beside the error, so that no text is lost.
 //
 // A running scan has no notes: a later correction may move its surface by decimetres, and when the
 // calibration of its camera turns out to be wrong the scan is made anew, with other submaps. A

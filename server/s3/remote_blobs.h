@@ -1,11 +1,11 @@
 // Blobs in S3 for a server whose network thread may wait for no network. One server owns the prefix
 // (remote_setup.h), so it knows what is there:
 // - size_bytes, version, list and availability answer from memory. It is filled by load() and kept
-// up to date by put and remove.
+//   up to date by put and remove.
 // - remove takes effect at once; it is noted in a file on the own disk, and a thread removes the
-// objects, after a restart too.
+//   objects, after a restart too.
 // - put and read go to S3 and are called on threads that may wait. After a put that has failed, a
-// thread asks what is there.
+//   thread asks what is there.
 // - While S3 does not answer, the thread asks every few seconds whether it does again.
 // Checkpoints of running scans are of use to this machine only and are written often: they stay on
 // the own disk (`local`).

@@ -3,7 +3,7 @@
 //
 //   "HRMSCNK1", u32 CRC-32C of all that follows, one zstd frame of:
 //   text scan id, u64 record_count, flag and u64 sequence, f64 time of the last tracked frame,
-//   bytes of the pipeline (byte_stream.h)
+//       bytes of the pipeline (byte_stream.h)
 //
 // Pure functions, but for the last.
 #pragma once

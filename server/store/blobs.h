@@ -9,9 +9,9 @@
 //
 // Every implementation guarantees:
 //   whole    A blob is as it was put or as it was before, never in between, for every reader and
-//   whatever crashes. durable  After put has succeeded, the blob survives the death of the process,
-//   and that of the machine if its disk
-//            honours syncs.
+//            whatever crashes.
+//   durable  After put has succeeded, the blob survives the death of the process, and that of the
+//            machine if its disk honours syncs.
 //   threads  Every function may be called from every thread, and may block on a disk or a network.
 //
 // Putting a blob under an existing name replaces it; a reader that reads it in pieces meanwhile may

@@ -4,7 +4,7 @@
 //   "HRMCHNK1"
 //   u32 submap_count, then for each: u32 submap, f64 tx ty tz qx qy qz qw (world_from_submap)
 //   u32 chunk_count, then for each: u32 submap, u8 level, i16 x y z, u32 point_count, u32
-//   byte_count, bytes (Draco)
+//       byte_count, bytes (Draco)
 //
 // Nothing may follow. Pure functions.
 #pragma once

@@ -5,8 +5,7 @@
 //   hermite.db    scans, tokens, uploads and jobs (store.h)
 //   rows-at       says that these are in PostgreSQL and not here (rows_place.h)
 //   scans/ID/     of an ended scan (blobs.h): cloud.ply surfels.ply trajectory.txt tracking.txt
-//   thumbnail.jpg report.json chunks.bin, its
-//                 edits, its exports
+//                 thumbnail.jpg report.json chunks.bin, its edits, its exports
 //   scans/ID/log/ the frames of the scan as received (frame_log.h)
 //   scans/ID/checkpoint.bin
 //                 the state of a running scan (checkpoint_file.h)
@@ -16,10 +15,10 @@
 //   restore.unfinished
 //                 marks an interrupted restore: no server starts here
 //   blobs-at      says that the results of scans are in S3 and not here, and where
-//   (server/s3/remote_setup.h) blob-removals results that are to be removed from S3
-//   (server/s3/remote_blobs.h) probe         exists briefly, to test whether the disk is writable
-//   (disk_space.h) lost/         scans/ID and uploads/ID that had no row in the database at a start
-//   (orphans.h)
+//                 (server/s3/remote_setup.h)
+//   blob-removals results that are to be removed from S3 (server/s3/remote_blobs.h)
+//   probe         exists briefly, to test whether the disk is writable (disk_space.h)
+//   lost/         scans/ID and uploads/ID that had no row in the database at a start (orphans.h)
 #pragma once
 
 #include <cstdint>

@@ -4,20 +4,17 @@
 //
 // The tables guarantee:
 //   atomic    Each call is one transaction. A call that returns an error has changed nothing,
-//   except after kIo: the change
-//             may still appear, if a disk failed to sync, after a restart, and if the connection to
-//             a database was lost, where the message says so. Limits and keys are checked in the
-//             same transaction that uses them. No transaction spans two calls: rows that must agree
-//             are written in an order in which a crash in between does no harm (the job of an
-//             upload has the id of the upload, so that it is added only once however often that is
-//             tried).
+//             except after kIo: the change may still appear, if a disk failed to sync, after a
+//             restart, and if the connection to a database was lost, where the message says so.
+//             Limits and keys are checked in the same transaction that uses them. No transaction
+//             spans two calls: rows that must agree are written in an order in which a crash in
+//             between does no harm (the job of an upload has the id of the upload, so that it is
+//             added only once however often that is tried).
 //   durable   A change whose call succeeded survives the death of the process, and that of the
-//   machine if its disk honours
-//             syncs.
+//             machine if its disk honours syncs.
 //   in order  A call sees all changes of earlier calls, and none of later ones.
 //   one user  A store belongs to one thread at a time, and to one server. Only check_integrity()
-//   may be called on another
-//             thread meanwhile.
+//             may be called on another thread meanwhile.
 //
 // Errors, unless stated otherwise: kUnavailable when the database cannot be reached, kIo for every
 // other failure, both with its message. Ids and secrets are compared byte by byte.

@@ -6,10 +6,10 @@
 //
 //   synced     nothing but what was synced: the least that a disk may keep
 //   names      names as they are now (a journal of metadata is often written first), contents as
-//   they were synced; what has grown since is
-//              there in its length, as zeros
+//              they were synced; what has grown since is there in its length, as zeros
 //   half       names as they are now, of each file the first half of what was changed in it since
-//   its last sync, and of its growth all        everything: the process alone died
+//              its last sync, and of its growth
+//   all        everything: the process alone died
 //
 // What the code under test tells a client is noted beside (acknowledge()), so that each image has
 // what was promised before it.

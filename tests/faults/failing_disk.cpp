@@ -7,9 +7,8 @@
 //   HERMITE_DISK_ERROR    its errno, a number
 //   HERMITE_DISK_STAYS    1: all calls after it fail, too, as on a full disk; else only that one
 //   HERMITE_DISK_REPORT   a file that gets a line for each call that is counted: "17 fdatasync
-//   hermite.db-wal", and " failed" behind the
-//                         first one that fails; written at once, so that it has them also when the
-//                         program is killed
+//                         hermite.db-wal", and " failed" behind the first one that fails; written
+//                         at once, so that it has them also when the program is killed
 #include <fcntl.h>
 #include <unistd.h>
 

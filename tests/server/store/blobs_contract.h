@@ -3,9 +3,11 @@
 //   struct World {
 //     Blobs& blobs();
 //     static constexpr bool kHidesWhatIsReplaced;  // a read while a blob is replaced may be told
-//     that there is none void die();  // the process is killed between two calls, and another one
-//     looks at what it left static std::string missing();  // may be left out: what this machine
-//     lacks; not empty: the tests are skipped
+//                                                  // that there is none
+//     void die();  // the process is killed between two calls, and another one looks at what it
+//                  // left
+//     static std::string missing();  // may be left out: what this machine lacks; not empty: the
+//                                    // tests are skipped
 //   };
 //   INSTANTIATE_TYPED_TEST_SUITE_P(Files, BlobsContract, World);
 #pragma once

@@ -2,9 +2,11 @@
 //
 //   struct World {
 //     static std::string missing();  // may be left out: what this machine lacks; not empty: the
-//     tests are skipped Store& store(); void restart();  // the server ends as it should, and
-//     another one opens what it left void die();      // the server is killed between two calls,
-//     and another one opens what it left
+//                                    // tests are skipped
+//     Store& store();
+//     void restart();  // the server ends as it should, and another one opens what it left
+//     void die();      // the server is killed between two calls, and another one opens what it
+//                      // left
 //   };
 //   INSTANTIATE_TYPED_TEST_SUITE_P(Sqlite, StoreContract, World);
 #pragma once
