@@ -1,5 +1,5 @@
-// Turns the frames of one camera into poses and a map. See `process` for the method in one
-// sentence. One thread at a time, the device's.
+// Turns the frames of one camera into poses and a map. core/METHOD.md explains the method. One
+// thread at a time, the device's.
 #pragma once
 
 #include <chrono>
