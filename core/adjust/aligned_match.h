@@ -21,10 +21,12 @@ struct AlignedMatches {
   std::vector<LandmarkMatch> matches;  // as returned by match_projected
 };
 
+// The pose is improved only if at least this many matches agree.
+inline constexpr std::size_t kLeastAlignedInliers = 15;
+
 // Measured on rendered rooms with Kinect noise and an error of 3 mm and 0.2 degrees in the guess:
 // compared with one pass of 7 px and 100 bits, it finds as many correct matches, and 3.5 to 7 % of
 // the matches are wrong instead of 17 to 27 %. `radius_px` is the radius of the first pass.
-inline constexpr std::size_t kLeastAlignedInliers = 15;
 AlignedMatches match_aligned(const SparseMap& map, const std::vector<std::uint32_t>& landmarks,
                              const std::vector<Feature>& features,
                              const Rigid3& world_from_camera_guess,

@@ -33,8 +33,8 @@ BundleOfMap pose_graph_of(const SparseMap& map, const SubmapGraph& graph,
 // Builds a problem that also has the landmarks seen by at least two keyframes of these submaps.
 // `free` submaps move; other submaps whose keyframes see these landmarks take part as fixed. If
 // there are none, the first of `free` is fixed. The current layout shows how accurate tracking was:
-// after a pose graph, tracked links gain information over information_of() by as much as the loops
-// had less to correct.
+// after a pose graph, the less the loops had to correct, the more weight tracked links get beyond
+// information_of() (variance_of_tracking()).
 BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph,
                       const std::vector<std::uint32_t>& free);
 

@@ -41,11 +41,11 @@ class LoopDecision {
   // right; none when the camera is in another component.
   std::vector<LoopCandidate> pending_candidate(const SubmapAtlas& atlas) const;
 
-  // Returns the pending loop, which then no longer is, when the camera sees no more of the place.
-  // Drops and counts it instead if no later verification succeeded.
+  // Returns the pending loop, which is then no longer pending, when the camera sees no more of the
+  // place. Drops and counts it instead if no later verification succeeded.
   std::optional<VerifiedLoop> take_due(const SubmapAtlas& atlas, MappingCounts& counts);
 
-  // Returns the pending loop, if any, which then no longer is.
+  // Returns the pending loop, if any, which is then no longer pending.
   std::optional<VerifiedLoop> take();
 
   void save(ByteWriter& bytes) const;

@@ -23,7 +23,7 @@
 
 namespace hermite::adjust {
 
-// Vectors are indexed by submap.
+// The submaps as the front end sees them. Vectors are indexed by submap.
 struct MapLayout {
   std::vector<Rigid3> world_from_submap{Rigid3{}};
   // The camera is tracked against it and frames are fused into it.

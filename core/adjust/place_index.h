@@ -38,7 +38,8 @@ class PlaceIndex {
 
   // Adds a landmark. Landmarks seen once are mostly never seen again, so add those that a second
   // keyframe has seen (InsertResult::repeated). A landmark may be added again with another
-  // descriptor, for instance when its appearance has changed. Tombstones need not be removed.
+  // descriptor, for instance when its appearance has changed. Landmarks without observations
+  // (tombstones, sparse_map.h) may stay.
   void add(std::uint32_t landmark, const Descriptor& descriptor);
 
   // Saves the added entries in order; the tables follow from them. restore() needs an empty index

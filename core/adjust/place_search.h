@@ -19,7 +19,7 @@ class PlaceSearch {
   void add(const SparseMap& map, const std::vector<std::uint32_t>& landmarks);
 
   // Returns candidates in inactive submaps that look like the features, if the camera can have
-  // drifted that far. Counts those that cannot be.
+  // drifted that far. Others are counted and left out.
   std::vector<LoopCandidate> recognised(const SubmapAtlas& atlas,
                                         const std::vector<Feature>& features,
                                         MappingCounts& counts) const;
@@ -28,8 +28,8 @@ class PlaceSearch {
   // none for some keyframes after it has returned one.
   std::vector<LoopCandidate> near(const SubmapAtlas& atlas);
 
-  // Returns the place that the features of a lost camera show, unless they show several. Counts
-  // those that do.
+  // Returns the place that the features of a lost camera show. If they show several, returns none
+  // and counts it.
   std::vector<LoopCandidate> relocalise(const SubmapAtlas& atlas,
                                         const std::vector<Feature>& features,
                                         MappingCounts& counts) const;

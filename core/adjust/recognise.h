@@ -23,6 +23,12 @@ struct PlaceMatch {
   std::vector<LandmarkMatch> matches;
 };
 
+// A place needs this many matches that agree on one pose.
+inline constexpr std::size_t kLeastPlaceInliers = 15;
+// A place is unambiguous if the runner-up has fewer than this share of its inliers: identical rooms
+// have nearly as many.
+inline constexpr double kAmbiguousShare = 0.7;
+
 // Returns places in descending number of inliers, each with at least kLeastPlaceInliers. Poses
 // within kSamePlace_m and 30 degrees of each other in the world are one place, of which the better
 // pose is listed, so the second entry is the best place elsewhere. `excluded` keyframes are
@@ -32,10 +38,6 @@ struct PlaceMatch {
 // overlap is small. But two equal sofas got up to 47, in rooms whose true place was not in the map;
 // then there is no runner-up, and only the dense surface can tell. Submaps that have drifted apart
 // and show the same place are listed as two places until a correction joins them.
-inline constexpr std::size_t kLeastPlaceInliers = 15;
-// A place is unambiguous if the runner-up has fewer than this share of its inliers: identical rooms
-// have nearly as many.
-inline constexpr double kAmbiguousShare = 0.7;
 std::vector<PlaceMatch> recognise(const SparseMap& map, const PlaceIndex& index,
                                   const std::vector<Feature>& features,
                                   const std::vector<std::uint32_t>& excluded = {});

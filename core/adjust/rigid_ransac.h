@@ -29,6 +29,9 @@ struct RigidMatch {
   std::vector<std::uint32_t> inliers;  // indices of pairs, ascending
 };
 
+// Most samples of three pairs that are drawn.
+inline constexpr int kMaxDraws = 10'000;
+
 // Samples three pairs (Umeyama without scale) until the probability of missing a better pose is
 // below 1 in 1000 or kMaxDraws samples are drawn; then repeats least squares over the inliers until
 // these no longer change. An inlier agrees within three standard deviations both in the image and
@@ -36,7 +39,6 @@ struct RigidMatch {
 // distance would accept too much near and too little far away. Pairs that are not finite or not in
 // front of the camera are skipped. Returns nullopt if fewer than `least_inliers` agree.
 // Deterministic in the order of pairs and the seed.
-inline constexpr int kMaxDraws = 10'000;
 std::optional<RigidMatch> match_rigidly(const std::vector<PointPair>& pairs, const Camera& camera,
                                         const RansacOptions& options = {});
 

@@ -61,10 +61,12 @@ struct Covisible {
   bool operator==(const Covisible&) const = default;
 };
 
+// Keyframes are covisible if they share at least this many landmarks.
+inline constexpr int kLeastShared = 15;
+
 // Returns the other keyframes that share at least `least_shared` landmarks with this one, most
 // first, older ones first if equal. The authors and ORB-SLAM use 15: fewer shared landmarks do not
 // determine a pose well.
-inline constexpr int kLeastShared = 15;
 std::vector<Covisible> covisible(const SparseMap& map, std::uint32_t keyframe,
                                  int least_shared = kLeastShared);
 

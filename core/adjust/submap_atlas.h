@@ -96,7 +96,7 @@ LoopCandidate candidate_at(const SubmapAtlas& atlas, const Rigid3& world_from_ca
 
 bool is_of_another_component(const SubmapAtlas& atlas, const LoopCandidate& candidate);
 
-// The front end gets the present poses and components.
+// Copies the present poses and components into the layout, which the front end sees.
 void publish(SubmapAtlas& atlas);
 
 // The same after submaps have moved.

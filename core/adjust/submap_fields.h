@@ -1,5 +1,5 @@
 // Serialises the links of submaps in our own byte format (core/base/byte_stream.h), and checks the
-// indices that stand in a state.
+// indices in a saved state.
 #pragma once
 
 #include <algorithm>

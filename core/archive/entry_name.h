@@ -1,4 +1,4 @@
-// Names of archive entries that we are ready to make files of. Pure.
+// Which names of archive entries are safe as names of files. Pure.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 namespace hermite::archive {
 
 inline constexpr std::size_t kMaxEntryName_bytes = 512;
-// File systems take 255; some of ours gets appended.
+// File systems allow 255 bytes; this leaves room for what this program appends.
 inline constexpr std::size_t kMaxEntryPart_bytes = 200;
 inline constexpr std::size_t kMaxEntryDepth = 8;  // recordings have 2 or 3
 
-// The parts between the slashes, "." left out; none for the archive's own folder ("./").
+// Returns the parts between the slashes without any "."; none for the archive's own folder ("./").
 // kInvalidArgument, with a message that names the rule: an absolute path, "..", a backslash, NUL or
 // another control character, or more than the limits above.
 Result<std::vector<std::string>> safe_entry_parts(std::string_view name);

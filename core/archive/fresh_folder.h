@@ -1,4 +1,4 @@
-// A folder that foreign names are written into, and nowhere else.
+// A folder for files whose names are a stranger's: nothing is written outside it.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ class OpenFile {
   OpenFile(OpenFile&& other) noexcept;
   OpenFile& operator=(OpenFile&& other) noexcept;
   int descriptor() const { return descriptor_; }
-  // All of the bytes, behind those written before. kIo.
+  // Appends all of the bytes. kIo.
   Status write(std::span<const std::uint8_t> bytes) const;
 
  private:
@@ -28,11 +28,12 @@ class OpenFile {
 // Every step goes from folder to folder by descriptor and follows no link. One thread at a time.
 class FreshFolder {
  public:
-  // Makes the folder if need be. kIo; kInvalidArgument when there is something in it already.
+  // Makes the folder if it does not exist. kIo; kInvalidArgument when it is not empty.
   static Result<FreshFolder> open(const std::string& path);
 
-  // A new file for writing, with the folders on its way. CHECK: parts of safe_entry_parts, at least
-  // one. kInvalidArgument when there is such a file, or a file where a folder is needed; kIo.
+  // Creates a file for writing, and the folders in its path. `parts` are those of
+  // safe_entry_parts(), at least one (CHECK). kInvalidArgument when the file exists, or a file is
+  // where a folder is needed; kIo.
   Result<OpenFile> create(const std::vector<std::string>& parts) const;
   Status make_folder(const std::vector<std::string>& parts) const;
 

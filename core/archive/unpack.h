@@ -21,7 +21,7 @@ struct UnpackLimits {
   // Ratio of unpacked to packed bytes. Images are compressed already, depth as raw numbers shrinks
   // 10 times.
   std::uint64_t ratio = 200;
-  std::uint64_t ratio_free_bytes = std::uint64_t{64} << 20;  // as much is never called a bomb
+  std::uint64_t ratio_free_bytes = std::uint64_t{64} << 20;  // up to this size any ratio is allowed
   // What there is room for now on the disk that the folder is on, and what there could ever be room
   // for.
   std::uint64_t room_bytes = std::numeric_limits<std::uint64_t>::max(),
@@ -30,8 +30,8 @@ struct UnpackLimits {
   // for the capacity files are counted.
   std::uint64_t room_inodes = std::numeric_limits<std::uint64_t>::max(),
                 capacity_inodes = std::numeric_limits<std::uint64_t>::max();
-  // Asked again after some files or megabytes: whether the disk still has the room that others must
-  // find there. Empty: nobody else writes.
+  // Called after some files or megabytes: returns whether the disk still has the free space that
+  // others need. Empty: nobody else writes.
   std::function<bool()> has_room_left;
 };
 
@@ -49,8 +49,9 @@ struct UnpackSummary {
 // zstd (whatever is inside these is found out on unpacking). False for what cannot be read.
 bool is_archive(const std::string& path);
 
-// Into `folder`, which is made if need be and must be empty. An archive beyond room_bytes is read
-// to its end without being written, so that one that is refused for what it is never gets kBusy.
+// Unpacks into `folder`, which is made if it does not exist and must be empty. An archive beyond
+// room_bytes is read to its end without being written, so that one with an error of its own never
+// gets kBusy.
 // kNotFound, kIo; kCorruptData: cut or damaged; kTooLarge: a limit that will be the same tomorrow;
 // kBusy: nothing is wrong with it, but the disk has no room for it now; kUnsupported: no such
 // archive; kInvalidArgument: an entry that is refused, or a folder that is not empty. Memory: under

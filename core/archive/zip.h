@@ -1,5 +1,5 @@
 // Several files as one .zip, in memory: without compression, because what is packed here is images
-// or is taken apart at once. Pure.
+// or is unpacked at once. Pure.
 #pragma once
 
 #include <string>

@@ -8,9 +8,9 @@
 
 namespace hermite::archive {
 
-// The greatest number of entries for which the file between the directory's begin and its end has
-// room. kCorruptData when there is no directory. `descriptor` is of a regular file; its position
-// stays.
+// Returns the largest number of entries that fit between the beginning and the end of the
+// directory. kCorruptData when there is no directory. `descriptor` is of a regular file; its
+// position does not change.
 Result<std::int64_t> max_zip_entries(int descriptor, std::int64_t file_bytes);
 
 }  // namespace hermite::archive

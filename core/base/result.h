@@ -39,7 +39,7 @@ struct Error {
   std::string message;  // for people: names the field, the value and the limit
 };
 
-// Returns the error with the message "context: inner message" and the same code, to add where it
+// Returns the error with the message "context: inner message" and the same code, to say where it
 // happened.
 Error in_context(const std::string& context, const Error& error);
 

@@ -10,11 +10,11 @@
 // Views are chosen along the trajectory, some pairs of them are held out, and poses and camera are
 // adjusted jointly to the rest (joint_adjustment.h). Parameters are fixed one after another and the
 // rest is adjusted again, until each remaining parameter
-//   is plausible: cameras can be off by that much. Otherwise it compensates for something else,
-//       such as a rolling shutter or unsynchronised images;
-//   is significant, and large enough to matter;
-//   is confirmed by each half of the recording, as far as that half determines it;
-//   makes the held-out pairs agree better than without it;
+//   - is plausible, that is, cameras can be off by that much: otherwise it compensates for
+//     something else, such as a rolling shutter or unsynchronised images;
+//   - is significant, and large enough to matter;
+//   - is confirmed by each half of the recording, as far as that half determines it;
+//   - makes the held-out pairs agree better than without it;
 // and until all together agree better than the given camera with poses adjusted to it. Otherwise
 // the camera is not changed.
 //

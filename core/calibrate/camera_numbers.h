@@ -10,7 +10,7 @@
 
 namespace hermite::calibrate {
 
-// In the order of all vectors and matrices of parameters.
+// Indices of the parameters in every vector and matrix.
 enum CameraNumber : std::size_t {
   kFocal,          // logarithm of a common factor of fx and fy
   kCenterX,        // added to cx [px]
@@ -22,7 +22,7 @@ enum CameraNumber : std::size_t {
   kColorDelay,     // added to ImageTiming::color_delay_s
   kCameraNumberCount,
 };
-// The last ones.
+// Number of the timing parameters, which come last.
 inline constexpr std::size_t kTimingNumberCount = kCameraNumberCount - kDepthReadout;
 using CameraVector = Eigen::Matrix<double, kCameraNumberCount, 1>;
 using FreeNumbers = std::array<bool, kCameraNumberCount>;  // whether each parameter may change

@@ -1,7 +1,7 @@
 // Joint adjustment of view poses and camera parameters by Gauss-Newton, with distances of points of
 // one view to planes of another, and with image corners seen in both. Correspondences are renewed
-// with decreasing gates; the first gates are as wide as the errors of poses that a wrong camera has
-// bent.
+// with decreasing gates; the first gates are as wide as the errors of poses that were estimated
+// with a wrong camera.
 //
 // Deterministic for any number of threads: pairs are evaluated separately and added in their order.
 #pragma once

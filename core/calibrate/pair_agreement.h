@@ -9,9 +9,11 @@
 
 namespace hermite::calibrate {
 
+// Largest distance within one surface, and the value to which distances are clipped.
+inline constexpr double kMostApart_m = 0.10, kMostCounted_m = 0.05;
+
 // The distances of points to the planes of the other view, both ways. Up to kMostApart_m they count
 // as the same surface, and they are clipped to kMostCounted_m, as in depth_consistency.h.
-inline constexpr double kMostApart_m = 0.10, kMostCounted_m = 0.05;
 struct PairAgreement {
   double median_m = 0, rms_m = 0;
   // For normalisation: a camera that shrinks everything also shrinks distances.
@@ -26,10 +28,13 @@ std::vector<PairAgreement> agreements_of(const std::vector<CalibrationView>& vie
                                          const std::vector<Rigid3>& world_from_camera,
                                          const std::vector<ViewPair>& pairs, const Camera& trial);
 
+// Largest distance of a corner from where it is expected, and the value to which errors are
+// clipped.
+inline constexpr double kMostApart_px = 12, kMostCounted_px = 3;
+
 // The reprojection errors of corners of the first view in the second one, in pixels of an image 640
 // wide. Corners are matched within kMostApart_px of where they are expected, and errors are clipped
 // to kMostCounted_px.
-inline constexpr double kMostApart_px = 12, kMostCounted_px = 3;
 struct CornerReprojection {
   double rms_px = 0;
   std::int64_t corner_count = 0;

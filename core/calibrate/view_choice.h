@@ -31,10 +31,12 @@ struct ChosenPairs {
   std::vector<ViewPair> fitted, held_back;
 };
 
+// Most earlier views that a view is paired with.
+inline constexpr std::size_t kMostEarlierViews = 12;
+
 // Pairs each view with at most kMostEarlierViews earlier ones that share at least a quarter of the
 // surface, evenly spread: near ones overlap most and far ones are most informative. A fifth of the
 // pairs is held out, but never neighbours.
-inline constexpr std::size_t kMostEarlierViews = 12;
 ChosenPairs choose_pairs(const std::vector<CalibrationView>& views, const Camera& camera);
 
 // Returns the pairs with both views in the first half of `view_count` views, or in the second.

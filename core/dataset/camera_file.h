@@ -40,12 +40,14 @@ struct CameraFile {
 Result<CameraFile> parse_camera_json(const std::string& text);
 Result<CameraFile> read_camera_json(const std::string& path);
 
-// Returns FILE.camera.json, or else camera.json in the folder of the file, with its name;
-// std::nullopt if there is neither.
+// A camera file that lies beside a recording.
 struct CameraBeside {
   CameraFile file;
   std::string name;
 };
+
+// Returns FILE.camera.json, or else camera.json in the folder of the file, with its name;
+// std::nullopt if there is neither.
 Result<std::optional<CameraBeside>> camera_beside(const std::string& path);
 
 // Returns the object that parse_camera_json reads as the same camera. says_color_camera is ignored:

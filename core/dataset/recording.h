@@ -28,8 +28,8 @@ struct Recording {
 Result<Recording> open_recording(const std::string& path,
                                  const std::optional<Camera>& camera = std::nullopt);
 
-// One row per format, tried in this order. `probe` reads little and returns why `path` has the
-// format, or std::nullopt; `open` may then still find it damaged.
+// A row of kFormats (recording.cpp), which are tried in order. `probe` reads little and returns why
+// `path` has the format, or std::nullopt; `open` may then still find it damaged.
 struct RecordingFormat {
   const char* name;
   const char* looks_like;  // for the message when no format fits

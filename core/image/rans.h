@@ -39,10 +39,12 @@ struct RansShare {
 // is.
 void fill_shares(std::span<const std::uint16_t> frequencies, std::span<RansShare> shares);
 
+// What a decoder returns for a number that belongs to no symbol.
+inline constexpr std::uint32_t kNoRansSymbol = 0xffffffff;
+
 // The same for the decoder: for every number below kFrequencySum the symbol + 1 (8 bits), its
 // frequency - 1 (12 bits) and the number's place in the symbol's share (12 bits). A slot of zeros
 // has no symbol: what is not filled decodes to kNoRansSymbol.
-inline constexpr std::uint32_t kNoRansSymbol = 0xffffffff;
 using RansSlots = std::array<std::uint32_t, kFrequencySum>;
 void fill_slots(std::span<const std::uint16_t> frequencies, RansSlots& slots);
 

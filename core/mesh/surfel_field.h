@@ -89,9 +89,11 @@ class SurfelField {
   std::span<const FieldKernel> kernels() const { return kernels_; }
   std::size_t rejected_count() const { return rejected_count_; }
 
+  // Length of a bin's edge in cells.
+  static constexpr int kBinCells = 4;
+
   // Returns the kernels of bin (x, y, z), which spans kBinCells cells from x * kBinCells on; may be
   // empty.
-  static constexpr int kBinCells = 4;
   std::span<const FieldKernel> bin(const Eigen::Vector3i& index) const;
   Eigen::Vector3i bin_of(const Eigen::Vector3f& point_m) const;
 

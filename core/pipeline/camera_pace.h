@@ -1,4 +1,5 @@
-// How fast the camera moves, and how often it gives a frame: for frames that tell nothing of it.
+// How fast the camera moves, and how often it gives a frame: needed for frames whose own images do
+// not show how it has moved.
 //
 // One thread at a time.
 #pragma once

@@ -18,9 +18,9 @@ namespace hermite::pipeline {
 
 class FramePoses {
  public:
-  // Adds the pose of the next frame, with the time and the status of its result; `reason` is the
-  // number of why it has that status. It is in the layout's current submap. Frames that were lost
-  // just before get poses in between (lost_poses.h).
+  // Adds the pose of the next frame, with the time and the status of its result. `reason`: number
+  // of the reason in the ReasonTable. The pose is in the layout's current submap. Frames that were
+  // lost just before get poses in between (lost_poses.h).
   void add(const FrameResult& result, std::uint16_t reason, const Rigid3& world_from_camera,
            const adjust::MapLayout& layout);
 

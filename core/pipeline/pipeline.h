@@ -1,5 +1,5 @@
-// HRBF-Fusion for one scan: it takes frames and gives poses and a surfel model. See `process` in
-// pipeline.cpp for the method in one sentence.
+// HRBF-Fusion for one scan: it takes frames and gives poses and a surfel model. core/METHOD.md
+// explains the method.
 //
 // A pipeline belongs to one thread at a time, except prepare(). The same frames, options and device
 // give the same poses and cloud, bit for bit. The world frame is the camera frame of the first

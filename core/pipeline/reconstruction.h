@@ -1,5 +1,5 @@
-// Turns the frames of one camera into poses and a map. See `process` for the method in one
-// sentence. One thread at a time, the device's.
+// Turns the frames of one camera into poses and a map. core/METHOD.md explains the method. One
+// thread at a time, the device's.
 #pragma once
 
 #include <chrono>
@@ -106,7 +106,7 @@ struct Reconstruction {
   CameraPace pace;
   int lost_count = 0;                  // frames lost since the last tracked one
   int unplaced_count = 0;              // those of them that show enough to begin a map
-  std::int64_t known_keyframes = 0;    // before the camera last saw nothing for a while
+  std::int64_t known_keyframes = 0;    // keyframes made before the last gap in sight
   track::PoseUncertainty uncertainty;  // of the last tracked frame
   std::uint64_t last_depth_digest = 0;
   FramePoses poses;

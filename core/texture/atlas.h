@@ -25,14 +25,18 @@ struct Atlas {
   double texel_m = 0;
 };
 
+// The mesh is too large for a texture if it needs coarser texels than this.
+inline constexpr double kLargestTexel_m = 0.2;
+// Size of a chart's texels relative to the pixels of the views that show it best, and their least
+// size relative to the largest texels.
+inline constexpr float kTexelsOfPixel = 0.5f, kSmallestShare = 0.25f;
+
 // Returns the atlas. Charts that were seen at a finer resolution have smaller texels:
 // kTexelsOfPixel times the size of a pixel on the surface at the best quarter of the chart's
 // vertices (finest_pixels_m of texture_detail.h, by vertex), but at least kSmallestShare of the
 // largest texel. Samples may be at most half a pixel apart (Nyquist), so that the texture is hardly
 // less sharp than its views. kTooLarge when not even texels of kLargestTexel_m fit; kBusy when
 // stopped.
-inline constexpr double kLargestTexel_m = 0.2;
-inline constexpr float kTexelsOfPixel = 0.5f, kSmallestShare = 0.25f;
 Result<Atlas> atlas_of(const output::TriangleMesh& mesh, const std::vector<float>& finest_pixel_m,
                        const TextureOptions& options);
 

@@ -16,10 +16,12 @@ struct Chart {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
 };
 
+// Stands for the triangle across an edge that has none.
+inline constexpr std::uint32_t kNoNeighbour = 0xffffffff;
+
 // Returns, for each triangle, the triangles across its three edges, in the order of the corners at
 // which the edges start; kNoNeighbour at a boundary and at an edge of more than two triangles.
 // `mesh` has fewer than 2^31 triangles.
-inline constexpr std::uint32_t kNoNeighbour = 0xffffffff;
 std::vector<std::array<std::uint32_t, 3>> neighbours_of(const output::TriangleMesh& mesh);
 
 // Grows charts over adjacent triangles while

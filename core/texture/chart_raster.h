@@ -35,11 +35,14 @@ struct FlatChart {
 FlatChart flattened(const output::TriangleMesh& mesh, const Chart& chart, double texel_m,
                     int max_side_texels);
 
+// Distance from a triangle up to which texels take its colour.
+inline constexpr float kReach_texels = 1.6f;
+// Stands for the triangle of a texel without colour.
+inline constexpr std::uint32_t kNoTexel = 0xffffffff;
+
 // By texel, the triangle from which it takes its colour: the one that contains its centre, or else
 // the nearest within kReach_texels, so that bilinear sampling on the chart never reaches a texel
 // without colour; otherwise kNoTexel.
-inline constexpr float kReach_texels = 1.6f;
-inline constexpr std::uint32_t kNoTexel = 0xffffffff;
 struct ChartRaster {
   Image<std::uint32_t> triangle;
   // Triangles that overlap earlier ones of the chart, or face backwards.

@@ -48,11 +48,13 @@ struct HeldOutQuality {
          texture_warped_db = 0;  // means over the frames
 };
 
+// One of this many views is held out.
+inline constexpr std::size_t kHeldOutOf = 8;
+
 // Holds out every eighth view that textured() would use, makes the texture from the others, and
 // renders the mesh at the poses of the held-out frames. Errors as for textured(), and kNotFound for
 // fewer than eight views. `result` and `statistics`, if given, receive the mesh with that texture
 // and its statistics.
-inline constexpr std::size_t kHeldOutOf = 8;
 Result<HeldOutQuality> held_out_quality(const output::TriangleMesh& mesh,
                                         const TextureFrames& frames, const TextureOptions& options,
                                         output::TriangleMesh* result = nullptr,

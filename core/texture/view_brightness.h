@@ -30,9 +30,11 @@ struct BrightnessLevel {
   std::optional<BrightnessSample> at(std::size_t view, float u, float v) const;
 };
 
+// Number of levels of an image pyramid.
+inline constexpr std::size_t kBrightnessLevels = 3;
+
 // Returns gain-corrected images, smoothed by 3 x 3 (1 2 1). The last level has the full-size
 // images, each level before it half the size of the next.
-inline constexpr std::size_t kBrightnessLevels = 3;
 std::array<BrightnessLevel, kBrightnessLevels> brightness_levels(
     const std::vector<TextureView>& views, int thread_count);
 

@@ -27,12 +27,15 @@ struct ViewRaster {
 ViewRaster rasterised(const output::TriangleMesh& mesh, const Camera& camera,
                       const Rigid3& world_from_camera);
 
+// Larger distances from an edge of the surface are not told apart.
+inline constexpr int kFarFromEdge_px = 24;
+// Relative second difference of the inverse depth beyond which there is a discontinuity.
+inline constexpr float kEdgeBend = 0.01f;
+
 // Returns, by pixel, the distance [px] to the nearest depth discontinuity, to the end of the mesh
 // or to the border of the image, at most kFarFromEdge_px; 0 where there is no surface. A
 // discontinuity is where the second difference of the inverse depth, which is linear over a plane,
 // exceeds kEdgeBend of its value; slanted planes have none.
-inline constexpr int kFarFromEdge_px = 24;
-inline constexpr float kEdgeBend = 0.01f;
 Image<std::uint8_t> distance_from_edges_px(const Image<float>& inverse_depth_per_m);
 
 // Returns the perspective-correct barycentric weights of a triangle at a pixel. The ray and

@@ -5,8 +5,9 @@
 
 namespace hermite::track {
 
-// Whether depth in the corners of the image is too large, as a share of it.
+// What contradicts the camera's calibration.
 struct CalibrationDoubt {
+  // Share by which depth in the corners of the image is too large, and its standard deviation.
   double bend = 0, deviation = 0;
   double focal = 0;     // share by which the stated focal length is too large, once that is certain
   double timing_s = 0;  // the largest error of the stated ImageTiming, once that is certain

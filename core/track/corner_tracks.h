@@ -38,9 +38,9 @@ struct CornerVerdict {
 
 class CornerTracks {
  public:
-  // `camera` is that of rectified frames. Corners that have moved rest again once they have rested
-  // for a while; with `keeps_moving`, only once they rest while other corners move: an object on a
-  // turntable is still the same object when the turntable stops.
+  // `camera` is that of rectified frames. A corner that moved counts as resting once it has not
+  // moved for a while; with `keeps_moving`, only once it rests while other corners move: an object
+  // on a turntable is still the same object when the turntable stops.
   explicit CornerTracks(const Camera& camera, bool keeps_moving = false)
       : camera_(camera), keeps_moving_(keeps_moving) {}
 

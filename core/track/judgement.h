@@ -14,8 +14,9 @@
 
 namespace hermite::track {
 
-// Weak: the pose is credible and the frame is fused, but the camera is close to being lost, or the
-// map is full; a warning. Lost: nothing of the frame is used.
+// Weak: the pose is credible, with a warning (the reason). The frame is fused, unless its depth
+// repeats the last one's or it is the first of a camera with a rolling shutter
+// (core/pipeline/reconstruction.cpp). Lost: nothing of the frame is used.
 enum class TrackingStatus { kTracked, kWeak, kLost };
 const char* name_of(TrackingStatus status);  // "tracked", "weak", "lost"
 
@@ -92,8 +93,8 @@ struct Doubts {
   Contradiction contradiction;  // between the evidence from depth, image and corners
 };
 
-// Returns the judgement of an accepted frame in view of these doubts: a tracked pose is known to 4
-// cm and to one percent of the path length.
+// Returns the judgement of an accepted frame in view of these doubts: a tracked pose is known to 3
+// cm plus one percent of the path length (standard deviation).
 Judgement weighed(Judgement judgement, const Doubts& doubts);
 
 // Judges a frame that could start a map: whether it shows enough surface.

@@ -1,5 +1,5 @@
 // Views kept along the camera's path, and what the surface that a frame shares with them says about
-// its pose. For the uncertainty of poses (core/track/map_certainty.h), which explains why.
+// its pose. Used by core/track/map_certainty.h, which explains the model.
 //
 // Pure functions on the host. Any thread.
 #pragma once

@@ -37,8 +37,8 @@ class PathNoise {
   // Begins a component with a frame that defines its world, and whose pose is therefore exact.
   void begin(double timestamp_s);
   // Counts a further frame, given the covariance of its step as a twist about the world's origin.
-  // Returns that covariance, but no larger than that of a hand that goes on
-  // (core/math/coasted_motion.h) since the last frame that was well constrained.
+  // Returns that covariance, but no larger than that of a camera that goes on
+  // as it went (core/math/coasted_motion.h) since the last frame that was well constrained.
   Matrix6d count_step(const Matrix6d& covariance, const Eigen::Vector3d& position_world,
                       double timestamp_s);
   // Counts a frame with a repeated depth image, whose position has this standard deviation along

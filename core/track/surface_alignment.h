@@ -65,7 +65,7 @@ class SurfaceAlignment {
   Result align(const Rigid3& earlier_from_frame, const ResidualScales& scales,
                const std::vector<bool>& moves, int steps) const;
 
-  // Those of the frame, number 0 included.
+  // Returns the number of surfaces of the frame, number 0 included.
   std::size_t surface_count() const { return first_of_surface_.size() - 1; }
 
  private:

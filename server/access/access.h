@@ -28,11 +28,13 @@ bool host_allowed(const AllowedHosts& allowed, std::string_view host);
 // `origin` is the value of an Origin header: "http://name:port" or https. "null" is never allowed.
 bool origin_allowed(const AllowedHosts& allowed, std::string_view origin);
 
+// The frame-ancestors of pages that no site may embed.
+inline constexpr std::string_view kNoFrames = "'none'";
+
 // Returns the sources of a Content-Security-Policy's frame-ancestors: 'none' without sites. A site
 // is "https://HOST", "http://HOST", with or without a port, where HOST may begin with "*." for all
 // below a name; or "*", any site. kInvalidArgument naming the site. The text has no characters that
 // could end the directive or the header.
-inline constexpr std::string_view kNoFrames = "'none'";
 Result<std::string> frame_ancestors(const std::vector<std::string>& sites);
 
 // Returns the key under which limits count an address: an IPv4 address itself; for an IPv6 address

@@ -18,9 +18,11 @@ struct LinkLevel {
   int of_frames = 1;
 };
 
-// From best to worst; at 30 Hz the frame rates are 30, 20, 15 and 10 Hz. Tracking needs at least a
-// third of the frames.
+// Number of levels.
 inline constexpr int kLinkLevels = 7;
+
+// Returns a level; 0 is the best. At 30 Hz the frame rates are 30, 20, 15 and 10 Hz. Tracking needs
+// at least a third of the frames.
 LinkLevel link_level(int level);  // 0 to kLinkLevels - 1 (CHECK)
 // Like "colour q70, 2 of 3 frames"; empty for the first level.
 std::string as_text(const LinkLevel& level);

@@ -44,7 +44,7 @@ class OutgoingFrames {
   void offer(SteadyTime now, bool held);
   // To be called after a pause, in which no frames were offered.
   void go_on(SteadyTime now) { gate_.go_on(now); }
-  // The source has no more, and none waits. After start().
+  // Whether the source has no more frames and none waits. To be called after start().
   bool exhausted() const { return encoder_->exhausted() && gate_.empty(); }
   // Whether a frame waits for its time or for credit.
   bool has_waiting() const { return !gate_.empty(); }

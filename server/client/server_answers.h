@@ -18,8 +18,8 @@ namespace hermite::client {
 
 class ServerAnswers {
  public:
-  // Whom an answer concerns besides: the frames get credit, the link its pings back, the report
-  // results and messages. All outlive this.
+  // Who else is told of answers: the frames of credit, the link of pongs, the report of results and
+  // messages. All outlive this.
   struct Concerned {
     OutgoingFrames& frames;
     Link& link;
@@ -33,7 +33,7 @@ class ServerAnswers {
   // From here on messages come over a new connection.
   void connected(SteadyTime now);
 
-  // Of the scan. None: it has not said so yet.
+  // Answers about the scan, over any connection. std::nullopt: not received yet.
   const std::optional<wire::Welcome>& welcome() const { return welcome_; }  // the first one
   SteadyTime welcomed_at() const { return welcomed_at_; }
   bool is_resumable() const { return welcome_ && !welcome_->resume_token.empty(); }
@@ -42,18 +42,18 @@ class ServerAnswers {
   const std::optional<Error>& failure() const { return failure_; }
   // Somebody who watches has asked for a pause.
   bool holds_frames() const { return holds_frames_; }
-  // When it said anything but that it is there.
+  // When the server last sent anything but a Pong, or a connection was made.
   SteadyTime last_news() const { return last_news_; }
 
-  // Of the present connection.
+  // Answers over the present connection.
   const std::optional<wire::Resumed>& resumed() const { return resumed_; }
-  // Waits for admission by the server.
+  // The scan waits for admission by the server.
   const std::optional<wire::Waiting>& waiting() const { return waiting_; }
-  // The last time over any connection.
+  // When the server last said that the scan waits, over any connection.
   SteadyTime waiting_said_at() const { return waiting_said_at_; }
 
-  // The server has said that it stops, and for how long to stay away; the second function is for
-  // whom does as it says.
+  // Whether the server has said that it stops. It also says for how long to stay away, which
+  // take_stay_away() returns once, to a caller that then waits.
   bool is_stopping() const { return stay_away_.has_value(); }
   std::chrono::milliseconds take_stay_away();  // 0: it has not said so
 

@@ -50,9 +50,11 @@ class LogReaders {
   bool is_waited_for(const std::string& scan_id) const { return wanted_.contains(scan_id); }
   std::size_t reading_count() const { return reading_count_; }
 
+  // Identifies a call of when_read(), for forget().
+  using Ticket = std::uint64_t;
+
   // Calls `then` once, later: when the log was read, was not read within kReadPatience, or will not
   // be read.
-  using Ticket = std::uint64_t;
   Ticket when_read(const std::string& scan_id, std::function<void()> then);
   void forget(Ticket ticket) { waiting_.erase(ticket); }
   void tick(Clock::time_point now);  // to be called regularly

@@ -21,7 +21,7 @@ namespace hermite::server {
 
 // Each attempt may take as long as a failing disk does.
 inline constexpr std::chrono::seconds kChangeAgainAfter{5};
-// Who makes changes begins nothing new while so many wait, so that no more of them can follow.
+// While this many changes wait, callers begin nothing new that would need further changes.
 inline constexpr std::size_t kMaxPendingChanges = 64;
 
 // `Row` has a unique member `id`.
@@ -55,8 +55,8 @@ class PendingChanges {
     if (!again_at_) again_at_ = now + kChangeAgainAfter;
     if (now < *again_at_) return;
     again_at_ = now + kChangeAgainAfter;
-    // Up to the first one that fails, since then the others most likely fail, too. The next time it
-    // is the last one, so that a single row that cannot be changed does not keep the others.
+    // Tries rows up to the first that fails, since then the others most likely fail, too. That row
+    // is the last of the next attempt, so that it does not hold up the others for ever.
     for (std::size_t left = rows_.size(); left > 0; --left) {
       auto next = rows_.upper_bound(last_tried_);
       if (next == rows_.end()) next = rows_.begin();

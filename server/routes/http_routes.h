@@ -96,7 +96,7 @@ struct HttpRequest {
   std::string path;              // without query
   std::string query;             // after the "?"
   std::string authorization;     // value of the header
-  std::string body;              // of a POST
+  std::string body;              // of a POST or PATCH; a long one goes to HttpAnswer::body_sink
   Caller caller;                 // the client
   HttpHeaders headers = {};      // all of them
   std::uint64_t body_bytes = 0;  // announced length

@@ -19,7 +19,8 @@ inline constexpr int kMaxMeasuringAtOnce = 1;
 // Twice the size of 64 points with all their digits.
 inline constexpr std::size_t kMaxMeasureBodyBytes = 8 * 1024;
 
-HttpAnswer measure_scan(const HttpWorld& world, const Call& call);  // format_measurement_json
+// Answers with format_measurement_json().
+HttpAnswer measure_scan(const HttpWorld& world, const Call& call);
 // 201 with its entry of the list; 409 if there are too many.
 HttpAnswer keep_measurement(const HttpWorld& world, const Call& call);
 // {"measurements": [...]}, oldest first.

@@ -8,7 +8,8 @@
 
 namespace hermite::server {
 
-// Sends a file of an ended scan, or the requested part of it. 404.
+// Sends a file of an ended scan, or the requested part of it. 404: the scan is not there, or
+// still runs.
 HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string& name,
                      const char* content_type);
 

@@ -6,7 +6,7 @@
 
 namespace hermite::server {
 
-// Share links: all of them, or those of one scan, for which 404.
+// Lists share links: all of them, or those of one scan. 404: there is no such scan.
 HttpAnswer list_all_shares(const HttpWorld& world, const Call& call);
 HttpAnswer list_scans_shares(const HttpWorld& world, const Call& call);
 
@@ -18,7 +18,7 @@ HttpAnswer list_all_tokens(const HttpWorld& world, const Call& call);
 // Creates a token, with its secret: 201. 400, 409: too many.
 HttpAnswer make_token(const HttpWorld& world, const Call& call);
 
-// Revoke it, from the next request on. 404, also if it is of the other kind.
+// Revoke a share link or a token, from the next request on. 404: there is none of this kind.
 HttpAnswer revoke_share(const HttpWorld& world, const Call& call);
 HttpAnswer revoke_token(const HttpWorld& world, const Call& call);
 

@@ -19,20 +19,20 @@ namespace hermite::server {
 
 struct Migration {
   std::string data_folder;
-  Blobs& files;  // those in the folder
+  Blobs& files;  // the blobs in the folder
   S3Blobs& s3;
-  // Scans that have a folder there.
+  // Scans that have a folder in data_folder.
   std::vector<std::string> scan_ids;
-  // Names of blobs that stay in it.
+  // Names of blobs that stay in data_folder.
   std::set<std::string> local_names;
   // LocalBlobs::removals_path.
   std::string removals_path;
-  // What is being done, for people.
+  // Called with what is being done, as text for people.
   std::function<void(const std::string& message)> says = [](const std::string&) {};
 };
 
 struct MigrationCounts {
-  std::uint64_t blob_count = 0, bytes = 0;  // that are there now, each compared
+  std::uint64_t blob_count = 0, bytes = 0;  // that are at the destination now, each compared
   std::uint64_t copied_count = 0;           // of these
 };
 

@@ -35,10 +35,10 @@ Result<std::optional<std::string>> blobs_at(const std::string& data_folder);
 // elsewhere. kIo.
 Status join_to_s3(const std::string& data_folder, S3Blobs& s3);
 
-// While results move in either direction, the note is in DATA/blobs-moving: until all are in S3,
-// and from when all are in the folder. So the folder is where a server looks for them. The prefix
-// is claimed for this folder, whose results are in it or in this place. kBusy, kInvalidArgument,
-// kIo as above.
+// While results move, the note is in DATA/blobs-moving whenever the folder itself has all of them:
+// on the way to S3 until the end, on the way back once all have arrived. A server then looks for
+// them in the folder. Beginning claims the prefix for this folder, whose results are in it or in S3
+// below this prefix. kBusy, kInvalidArgument, kIo as above.
 Status begin_move_to_s3(const std::string& data_folder, S3Blobs& s3);
 Status end_move_to_s3(const std::string& data_folder);  // all results are in S3
 
@@ -47,7 +47,7 @@ Status end_move_to_s3(const std::string& data_folder);  // all results are in S3
 Result<bool> is_in_s3(const std::string& data_folder, const S3Blobs& s3);
 // All results are in the folder.
 Status leave_s3(const std::string& data_folder);
-Status give_up_prefix(const std::string& data_folder, S3Blobs& s3);  // and none is in S3
+Status give_up_prefix(const std::string& data_folder, S3Blobs& s3);  // no result is left in S3
 
 // Checks that a server may start with these settings on this folder: `address` is that of S3, or
 // empty. kInvalidArgument, with a message: the results are somewhere else. `has_results`: there are

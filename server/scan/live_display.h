@@ -27,9 +27,9 @@ class LiveDisplay {
   LiveDisplay(const LiveDisplay&) = delete;
   LiveDisplay& operator=(const LiveDisplay&) = delete;
 
-  // Shows the present state. A camera that is just being attached has not been greeted yet, and
-  // gets none.
+  // Shows the present state to camera and viewers.
   void show_state();
+  // The same while a camera is being attached: it has not been greeted yet, and is sent no state.
   void show_state_to_viewers();
 
   // Shown until replaced, to camera and viewers; empty: nothing. What the camera does comes before
@@ -37,8 +37,8 @@ class LiveDisplay {
   void warn(const std::string& message);
   void worker_says(const std::string& message);
 
-  // Events of the worker. Of the first two the frames have been counted, and others are told of
-  // them, too.
+  // Events of the worker. LiveScan has counted the frames of restored() and frame_done(), and tells
+  // the camera itself.
   void restored(RestoredScan restored);
   void frame_done(const FrameOutcome& outcome);
   void model_changed(ModelUpdate update);

@@ -63,10 +63,10 @@ class ScanLauncher {
     // Called on the network thread by the scan itself.
     std::function<void(const ScanRow& started, const ScanEnd&)> ended;
   };
-  // What is referred to outlives this.
+  // Everything that the arguments refer to outlives this.
   ScanLauncher(const ScansOptions& options, const Storage& storage, World world);
 
-  // kInvalidArgument: a setting.
+  // Returns the launch of a requested scan. kInvalidArgument: a setting in the request is wrong.
   Result<Launch> launch_of(const std::string& scan_id, const wire::StartScan& request,
                            const std::string& resume_token, const ScanOwner& owner,
                            const PlaceRequest& place) const;

@@ -24,7 +24,7 @@ struct StoredScan {
   wire::ScanState map_counts;  // only the counts
 };
 
-// Whatever exists: that a failed scan has no results is no error for the viewer.
+// Reads whatever exists; a failed scan has no results, which is no error.
 StoredScan read_stored_scan(Blobs& blobs, const std::string& scan_id);
 
 }  // namespace hermite::server

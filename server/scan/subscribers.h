@@ -28,6 +28,7 @@ namespace hermite::server {
 // Viewers of one scan. A share link counts as one token however many people open it: one link may
 // take half of the places.
 inline constexpr Share kViewerShare{32, 16, 4};
+// Chunks and pieces wait while, with them, more than this would not be acknowledged.
 inline constexpr std::uint64_t kMaxUnackedBytes = 4 * 1024 * 1024;
 
 struct SceneInfo {

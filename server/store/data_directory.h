@@ -2,7 +2,7 @@
 //
 //   lock          locked (flock) while the server runs; holds the server's address (folder_lock.h)
 //   token         the first token (first_token.h)
-//   hermite.db    scans, tokens, uploads and jobs (store.h)
+//   hermite.db    all rows (store.h)
 //   rows-at       says that these are in PostgreSQL and not here (rows_place.h)
 //   scans/ID/     of an ended scan (blobs.h): cloud.ply surfels.ply trajectory.txt tracking.txt
 //                 thumbnail.jpg report.json chunks.bin, its edits, its exports

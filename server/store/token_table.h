@@ -11,11 +11,11 @@
 
 namespace hermite::server {
 
-// Those that have ended count for no limit, and stay in the list until they are forgotten or there
-// are kMaxEndedLinksPerToken newer ended ones of the same creator. The part of a limit that is
-// reserved for administrators (shares.h) is available to a creator whose row has the scope admin,
-// and to an empty one, which is the owner of the data folder. kNotFound, unless stated otherwise:
-// there is no such token.
+// Tokens and links that have ended (revoked or expired) count for no limit, and stay in the list
+// until they are forgotten or there are kMaxEndedLinksPerToken newer ended ones of the same
+// creator. The part of a limit that is reserved for administrators (shares.h) is available to a
+// creator whose row has the scope admin, and to an empty creator, which is the owner of the data
+// folder. kNotFound, unless stated otherwise: there is no such token.
 class TokenTable {
  public:
   explicit TokenTable(Database& database) : database_(database) {}

@@ -40,7 +40,7 @@ class MapBench {
     see(frontal_frame(camera, 0, 0));
   }
 
-  // Without fusing it.
+  // Makes this the present frame without fusing it.
   void see(const FuseInput& frame) { upload_frame(frame); }
 
   void fuse(const FuseInput& frame, std::uint32_t frame_number,
@@ -64,7 +64,7 @@ class MapBench {
     commands_.submit_and_wait();
   }
 
-  // The index map of these submaps.
+  // Builds the index map of these submaps alone.
   void look(const map::SubmapSet& submaps, const Rigid3& world_from_camera) {
     store.set_camera(world_from_camera, submaps);
     visible_.list(commands_, store, maps_.camera(), 0);
