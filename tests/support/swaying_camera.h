@@ -1,4 +1,4 @@
-// A small camera in a hand, and masks of what it sees.
+// The small camera of coarse_wall.h in a hand, and masks of what it sees. Header only.
 #pragma once
 
 #include <algorithm>
@@ -6,11 +6,9 @@
 
 #include "core/frame/coarse_view.h"
 #include "core/math/rigid3.h"
+#include "tests/support/coarse_wall.h"
 
 namespace hermite::test {
-
-inline constexpr shared::Intrinsics kCoarseCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
-inline constexpr std::size_t kCoarsePixels = 4800;
 
 // world_from_camera of a hand's sway, by a centimetre and a third of a degree a frame.
 inline Rigid3 swaying_pose(int frame) {
