@@ -18,7 +18,7 @@ class NoteTable {
   // At most kMaxNotesPerScan. kNotFound: no such scan. kBusy: it has that many already.
   // kInvalidArgument: the id exists already, or a number is NaN.
   Status add(const NoteRow& row);
-  // Oldest first; empty if it has none.
+  // Oldest first, those of the same millisecond by their ids; empty if it has none.
   Result<std::vector<NoteRow>> of_scan(const std::string& scan_id);
   // Writes the text and changed_at_ms of `row` into the note if that has the version of `row`,
   // which then grows by 1. kNotFound: the scan has no such note.

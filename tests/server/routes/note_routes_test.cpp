@@ -5,8 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "server/store/note_row.h"
 #include "server/store/scan_id.h"
@@ -60,6 +62,8 @@ TEST_F(NoteRoutesTest, ANoteIsWrittenChangedAndRemoved) {
   EXPECT_EQ(note["text"], "a crack\nüber 🧱");
   EXPECT_EQ(note["version"], 1);
   EXPECT_EQ(note["created_at"], note["changed_at"]);
+  // Notes of the same millisecond are listed by their ids, which are random.
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));
   const Json second = write(kNote).json();
   EXPECT_EQ(second["view"], nullptr);
   EXPECT_EQ(list(), Json({note, second})) << "oldest first";
