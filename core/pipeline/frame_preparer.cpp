@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "core/frame/repaired_depth.h"
+
 namespace hermite::pipeline {
 
 FramePreparer::FramePreparer(const Camera& camera, const Options& options, std::uint32_t number)
@@ -33,12 +35,10 @@ frame::PreparedFrame FramePreparer::prepare(frame::RgbdFrame frame) const {
   prepared.noise = frame::measure_noise(frame.depth, camera_.depth_units_per_metre, options_.frame);
   prepared.steps = frame::measure_steps(frame.depth, camera_.depth_units_per_metre);
   prepared.rows = frame::digest_rows(frame.depth);
-  if (rectifier_) {
-    prepared.frame = rectifier_->apply(frame);
-    prepared.as_it_came = std::move(frame);
-  } else {
-    prepared.frame = std::move(frame);
-  }
+  prepared.frame = rectifier_ ? rectifier_->apply(frame) : frame;
+  const bool is_repaired =
+      frame::repair_depth(prepared.frame.depth, camera_.depth_units_per_metre, options_.frame);
+  if (rectifier_ || is_repaired) prepared.as_it_came = std::move(frame);
   prepared.features =
       frame::features_of(prepared.frame, camera_.depth_units_per_metre, options_.frame);
   return prepared;
