@@ -8,6 +8,7 @@
 #include "core/disturb/depth_disturbance.h"
 #include "core/disturb/depth_noise.h"
 #include "core/disturb/disturbance.h"
+#include "core/disturb/lens_disturbance.h"
 #include "core/disturb/light_disturbance.h"
 #include "core/disturb/moving_person.h"
 #include "core/disturb/pane_disturbance.h"
@@ -70,6 +71,7 @@ constexpr SuffixKind kSuffixKinds[] = {{"+noise", noisy},
                                        {"+sparse", disturb::with_sparse},
                                        {"+focal", disturb::with_focal},
                                        {"+skip", disturb::with_skip},
+                                       {"+lens", disturb::with_lens},
                                        {"+rolling", disturb::with_rolling},
                                        {"+clock", disturb::with_clock},
                                        {"+blur", disturb::with_blur},

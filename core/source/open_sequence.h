@@ -26,6 +26,7 @@ namespace hermite::source {
 //   +exposure +flicker +vignetting            color_disturbance.h
 //   +person                                   moving_person.h
 //   +bend +sparse +focal +skip                depth_disturbance.h
+//   +lens                                     lens_disturbance.h
 //   +rolling +clock +blur                     shutter_disturbance.h
 //   +mirror +glass +screen +door              pane_disturbance.h
 //   +flying +lowres +speckle +frozen          sensor_disturbance.h
