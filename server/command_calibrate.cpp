@@ -46,10 +46,11 @@ int run_calibrate(const CalibrateArguments& arguments) {
 
 Command add_calibrate_command(CLI::App& app) {
   auto arguments = std::make_shared<CalibrateArguments>();
-  CLI::App& calibrate = *app.add_subcommand("calibrate",
-                                            "See in a recording what is wrong with its camera: "
-                                            "focal length, centre, bent depth, offset of "
-                                            "the disparity, rolling shutter, late colour; as JSON");
+  CLI::App& calibrate =
+      *app.add_subcommand("calibrate",
+                          "See in a recording what is wrong with its camera: "
+                          "focal length, centre, distortion, bent depth, offset "
+                          "of the disparity, rolling shutter, late colour; as JSON");
   calibrate.add_option("SEQUENCE", arguments->run.sequence, kSequenceHelp)->required();
   calibrate.add_option(
       "--out", arguments->out_file,

@@ -132,9 +132,13 @@ class Elimination {
       : search_(search), numbers_(numbers) {}
 
   // The timing of images shows only if the camera's velocity is known.
-  void run(bool are_twists_known) {
+  void run(bool are_twists_known, Lenses lenses) {
     is_free_.fill(true);
     if (!are_twists_known) hold_timing();
+    if (lenses == Lenses::kTwo) {
+      is_free_[kRadial] = false;
+      numbers_[kRadial].reason = "depth and colour are seen through different lenses";
+    }
     best_ = search_.try_with(is_free_);
     settle();
     for (std::size_t k = 0; k < kCameraNumberCount; ++k)
@@ -254,7 +258,7 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
   Elimination elimination(search, result.numbers);
   const bool are_twists_known = std::ranges::all_of(
       views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); });
-  elimination.run(are_twists_known);
+  elimination.run(are_twists_known, camera.color ? Lenses::kTwo : Lenses::kOne);
   conclude(result, camera, as_it_was, elimination.best(), elimination.is_free());
   return result;
 }

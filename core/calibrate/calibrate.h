@@ -1,7 +1,8 @@
 // Self-calibration: finds errors of a recording's camera in the recording itself, namely of focal
-// length, principal point, the parameters of DepthCorrection, and the time at which rows of its
-// images are taken (core/math/image_timing.h). A wrong camera distorts surfaces differently from
-// each viewpoint, so views from different places contradict each other, whatever their poses.
+// length, principal point, lens distortion (its first term), the parameters of DepthCorrection, and
+// the time at which rows of its images are taken (core/math/image_timing.h). A wrong camera
+// distorts surfaces differently from each viewpoint, so views from different places contradict each
+// other, whatever their poses.
 //
 // A factor of all depths cannot be found: it is the scale of the world, and all views agree at any
 // scale. Nor can any error whose effect is the same in all chosen views, because the camera did not
@@ -33,7 +34,7 @@
 namespace hermite::calibrate {
 
 struct FoundNumber {
-  // "focal_factor", "cx_px", "cy_px", "bend", "inverse_offset_per_m", "depth_readout_s",
+  // "focal_factor", "cx_px", "cy_px", "k1", "bend", "inverse_offset_per_m", "depth_readout_s",
   // "color_readout_s", "color_delay_s".
   std::string name;
   double value = 0;  // the change of the given camera's parameter; of a factor, the part beyond 1

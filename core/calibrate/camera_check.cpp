@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "core/calibrate/pair_agreement.h"
 #include "core/calibrate/view_choice.h"
@@ -22,8 +24,10 @@ struct Asked {
   CameraNumber number;
   double usual, known, off;
 };
+constexpr double kUsualRadial = 0.05;
 constexpr double kNeedNotBeKnown = std::numeric_limits<double>::infinity();
-constexpr std::array<Asked, 5> kAsked{{{kFocal, 0.010, 0.0015, 0.004},
+constexpr std::array<Asked, 6> kAsked{{{kFocal, 0.010, 0.0015, 0.004},
+                                       {kRadial, kUsualRadial, kNeedNotBeKnown, 0.006},
                                        {kBend, 0.015, 0.0005, 0.003},
                                        {kDepthReadout, 0.015, kNeedNotBeKnown, 0.005},
                                        {kColorReadout, 0.015, kNeedNotBeKnown, 0.005},
@@ -46,6 +50,13 @@ constexpr double kLeastMeanGain = 0.01, kLeastMeanGainErrors = 3;
 // a tenth of the image, bend was 0.5 % off with a deviation of 0.16. And each answer counts the
 // views of the one before it again.
 constexpr double kWider = 3;
+
+// Between bare walls a dozen views confuse focal length, distortion and bend: all three together
+// become 0.5 %, 0.004 and 0.3 % of a camera that fits, and those that are off are found with as
+// much to spare, while each alone is found within a twentieth. So the lens is judged alone, if that
+// loses no more than these three together gain from noise: up to 1.5 % of the squares of surfaces,
+// and 0.2 % of those of corners, while a wrong one of the three loses 1 to 8 % there.
+constexpr double kMostLossInSurfaces = 0.02, kMostLossInCorners = 0.005;
 
 constexpr std::size_t kLeastPairs = 24, kLeastPairsOfHalf = 12, kLeastPairsHeldBack = 6;
 
@@ -104,22 +115,29 @@ bool halves_agree(const Question& question, const FreeNumbers& is_free, const Jo
   return true;
 }
 
-// Returns what a solution without a verdict says of focal length and bend: as much as each half of
+// In the order of ShapeErrors.
+Eigen::Array3d shape_of(const CameraVector& numbers) {
+  return {numbers[kBend], numbers[kFocal], numbers[kRadial]};
+}
+ShapeErrors errors_of(const Eigen::Array3d& shape) { return {shape[0], shape[1], shape[2]}; }
+
+// Returns what a solution without a verdict says of the camera's shape: as much as each half of
 // the views confirms. Nothing if the rows of the depth images are from different times, which moves
 // their values by many deviations.
 std::optional<MeasuredShape> measured(const Question& question, const FreeNumbers& is_free,
                                       const JointSolution& all) {
   if (numbers_off(all)[kDepthReadout] || !is_plausible(all)) return std::nullopt;
-  Eigen::Array2d deviations = kWider * Eigen::Array2d(all.deviation[kBend], all.deviation[kFocal]);
-  deviations = deviations.max(Eigen::Array2d(kFittingBend, kFittingFocal));
+  Eigen::Array3d deviations = (kWider * shape_of(all.deviation))
+                                  .max(Eigen::Array3d(kFitting.bend, kFitting.focal, kFitting.k1));
   for (const bool is_second : {false, true}) {
     const std::vector<ViewPair> half =
         pairs_of_half(question.pairs.fitted, question.views.size(), is_second);
     if (half.size() < kLeastPairsOfHalf) return std::nullopt;
     const CameraVector apart = question.solve(half, is_free, &all).change - all.change;
-    deviations = deviations.max(Eigen::Array2d(apart[kBend], apart[kFocal]).abs());
+    deviations = deviations.max(shape_of(apart).abs());
   }
-  return MeasuredShape{-all.change[kBend], -all.change[kFocal], deviations[0], deviations[1]};
+  if (!is_free[kRadial]) deviations[2] = std::max(deviations[2], kUsualRadial);
+  return MeasuredShape{errors_of(-shape_of(all.change)), errors_of(deviations)};
 }
 
 bool is_certain(const PairGain& gain) {
@@ -133,12 +151,16 @@ bool is_certain(const PairGain& gain) {
 bool pairs_gain(const Question& question, const FreeNumbers& is_free, const JointSolution& found) {
   const HeldOutPairs held_out{question.views, question.pairs.held_back, question.camera};
   FreeNumbers timing_alone = is_free;
-  timing_alone[kFocal] = timing_alone[kBend] = false;
+  timing_alone[kFocal] = timing_alone[kRadial] = timing_alone[kBend] = false;
   if (timing_alone != is_free) {
-    const PairGain gain =
-        gain_of(held_out, question.solve(question.pairs.fitted, timing_alone, &found), found,
-                ShowsIn::kSurfaces);
-    if (!is_certain(gain) || gain.mean < kLeastMeanGain) return false;
+    const JointSolution without = question.solve(question.pairs.fitted, timing_alone, &found);
+    const auto gains_in = [&](ShowsIn where) {
+      const PairGain gain = gain_of(held_out, without, found, where);
+      return is_certain(gain) && gain.mean >= kLeastMeanGain;
+    };
+    // Distortion moves corners even where it hardly moves a surface: on walls seen from the front.
+    if (!gains_in(ShowsIn::kSurfaces) && !(is_free[kRadial] && gains_in(ShowsIn::kCorners)))
+      return false;
   }
   for (const CameraNumber number : {kDepthReadout, kColorReadout, kColorDelay}) {
     if (!is_free[number]) continue;
@@ -148,6 +170,38 @@ bool pairs_gain(const Question& question, const FreeNumbers& is_free, const Join
     if (!is_certain(gain_of(held_out, as_it_was, found, where_shows(number)))) return false;
   }
   return true;
+}
+
+// What is lost in surfaces and in corners against a solution with more free parameters, as the mean
+// over all pairs.
+struct Loss {
+  double in_surfaces = 0, in_corners = 0;
+  double all() const { return in_surfaces + in_corners; }
+};
+
+Loss loss_of(const Question& question, const JointSolution& simple, const JointSolution& full) {
+  std::vector<ViewPair> all = question.pairs.fitted;
+  all.insert(all.end(), question.pairs.held_back.begin(), question.pairs.held_back.end());
+  const HeldOutPairs pairs{question.views, all, question.camera};
+  return {gain_of(pairs, simple, full, ShowsIn::kSurfaces).mean,
+          gain_of(pairs, simple, full, ShowsIn::kCorners).mean};
+}
+
+// Whether distortion alone explains what focal length, distortion and bend together do, better than
+// either of the others alone.
+bool is_lens_alone(const Question& question, const FreeNumbers& is_free,
+                   const JointSolution& with_all) {
+  std::array<Loss, 3> losses;
+  constexpr std::array<CameraNumber, 3> kShape{kRadial, kFocal, kBend};
+  for (std::size_t i = 0; i < kShape.size(); ++i) {
+    FreeNumbers alone = is_free;
+    for (const CameraNumber other : kShape) alone[other] = other == kShape[i];
+    losses[i] =
+        loss_of(question, question.solve(question.pairs.fitted, alone, &with_all), with_all);
+  }
+  return losses[0].in_surfaces <= kMostLossInSurfaces &&
+         losses[0].in_corners <= kMostLossInCorners && losses[0].all() < losses[1].all() &&
+         losses[0].all() < losses[2].all();
 }
 
 // Judges a solution with these free parameters.
@@ -166,7 +220,8 @@ CameraCheck verdict_on(const Question& question, const FreeNumbers& is_free, Joi
 
 }  // namespace
 
-CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera& camera) {
+CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera& camera,
+                         Lenses lenses) {
   const Question question{views, camera, choose_pairs(views, camera)};
   if (question.pairs.fitted.size() < kLeastPairs ||
       question.pairs.held_back.size() < kLeastPairsHeldBack)
@@ -178,8 +233,19 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
     timing[asked.number] = is_timing(asked.number);
     all[asked.number] = has_velocities || !timing[asked.number];
   }
+  all[kRadial] = false;
   depth_rows[kDepthReadout] = true;
   const JointSolution found = question.solve(question.pairs.fitted, all, nullptr);
+  if (lenses == Lenses::kOne) {
+    FreeNumbers is_free = all;
+    is_free[kRadial] = true;
+    const JointSolution with_lens = question.solve(question.pairs.fitted, is_free, &found);
+    if (numbers_off(with_lens)[kRadial] && is_lens_alone(question, is_free, with_lens)) {
+      is_free[kFocal] = is_free[kBend] = false;
+      return verdict_on(question, is_free,
+                        question.solve(question.pairs.fitted, is_free, &with_lens));
+    }
+  }
   CameraCheck check = is_known(found) ? verdict_on(question, all, found) : CameraCheck{};
   if (check.verdict != CameraVerdict::kUnknown) return check;
   // Something else is wrong with the camera, or its movement does not tell its shape; the timing

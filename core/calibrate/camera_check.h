@@ -8,12 +8,13 @@
 
 namespace hermite::calibrate {
 
-// Returns kIsOff when focal length, bend or timing is off by more than noise and by more than
-// matters, each half of the views confirms it, and held-out pairs of views agree better with it;
-// kFits when focal length and bend are known well and nothing is off; else what the views tell of
-// these two. Timing is only tested if the camera's velocity is known in all views. `camera` is the
-// rectified camera of the views' depth, to which its DepthCorrection was not applied. Takes 0.3 s
-// of CPU time for 12 views and 0.6 s for 16, and three times that if the camera is off.
-CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera& camera);
+// Returns kIsOff when focal length, distortion, bend or timing is off by more than noise and by
+// more than matters, each half of the views confirms it, and held-out pairs of views agree better
+// with it; kFits when focal length and bend are known well and nothing is off; else what the views
+// tell of these two. Timing is only tested if the camera's velocity is known in all views. `camera`
+// is the rectified camera of the views' depth, to which its DepthCorrection was not applied. Takes
+// 0.3 s of CPU time for 12 views and 0.6 s for 16, and three times that if the camera is off.
+CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera& camera,
+                         Lenses lenses = Lenses::kOne);
 
 }  // namespace hermite::calibrate

@@ -15,6 +15,7 @@ enum CameraNumber : std::size_t {
   kFocal,          // logarithm of a common factor of fx and fy
   kCenterX,        // added to cx [px]
   kCenterY,        // added to cy [px]
+  kRadial,         // added to Distortion::k1
   kBend,           // added to DepthCorrection::bend
   kInverseOffset,  // added to DepthCorrection::inverse_offset_per_m
   kDepthReadout,   // added to ImageTiming::depth_readout_s
@@ -27,6 +28,10 @@ inline constexpr std::size_t kTimingNumberCount = kCameraNumberCount - kDepthRea
 using CameraVector = Eigen::Matrix<double, kCameraNumberCount, 1>;
 using FreeNumbers = std::array<bool, kCameraNumberCount>;  // whether each parameter may change
 
+// Whether depth and colour, as received, are seen through the same lens. Of a camera with two, the
+// distortion cannot be found: registered images do not tell which of them is distorted.
+enum class Lenses { kOne, kTwo };
+
 inline bool is_timing(std::size_t number) { return number >= kDepthReadout; }
 
 // Returns the camera with this change of its parameters.
@@ -35,6 +40,7 @@ inline Camera changed(Camera camera, const CameraVector& change) {
   camera.fy *= std::exp(change[kFocal]);
   camera.cx += change[kCenterX];
   camera.cy += change[kCenterY];
+  camera.distortion.k1 += change[kRadial];
   camera.depth_correction.bend += change[kBend];
   camera.depth_correction.inverse_offset_per_m += change[kInverseOffset];
   camera.timing.depth_readout_s += change[kDepthReadout];

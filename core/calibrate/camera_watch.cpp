@@ -102,6 +102,7 @@ class Watch : public CameraWatch {
  public:
   explicit Watch(const Camera& camera)
       : straight_(rectified(camera)),
+        lenses_(camera.color ? Lenses::kTwo : Lenses::kOne),
         grid_(patches_of(DepthImage(camera.width, camera.height), straight_)) {}
 
   void step(double timestamp_s, const std::optional<Rigid3>& last_from_camera) override {
@@ -213,11 +214,12 @@ class Watch : public CameraWatch {
     answer_ = on_a_thread_of_its_own([this, about = asked_views_] {
       std::vector<CalibrationView> views;
       for (const TimedView& view : about) views.push_back(view.get());
-      return check_camera(views, straight_);
+      return check_camera(views, straight_, lenses_);
     });
   }
 
   const Camera straight_;
+  const Lenses lenses_;
   const PatchGrid grid_;  // without depth; used to check sizes
   std::vector<TimedView> views_, asked_views_;
   SharedView new_view_;  // of the last tracked frame

@@ -1,7 +1,7 @@
 // Checks during a scan whether its camera's calibration fits its views. It has fewer views than
-// calibrate.h and is therefore more cautious: it only tests focal length, depth bend, and when the
-// rows of the images are taken, which harm tracking most, and it only gives a verdict if the views
-// agree as well as those of a camera without other errors.
+// calibrate.h and is therefore more cautious: it only tests focal length, lens distortion, depth
+// bend, and when the rows of the images are taken, which harm tracking most, and it only gives a
+// verdict if the views agree as well as those of a camera without other errors.
 //
 // One thread at a time. Views are prepared and checked on helper threads; the results depend on the
 // frames alone.
@@ -21,11 +21,14 @@ namespace hermite::calibrate {
 
 enum class CameraVerdict { kUnknown, kFits, kIsOff };
 
-// Errors of a camera as its views tell them: the shares by which depth in the corners of the image
-// and the stated focal length are too great, and their standard deviations.
+// Errors of a camera: the shares by which depth in the corners of the image and the stated focal
+// length are too great, and the error of the stated k1; or their standard deviations.
+struct ShapeErrors {
+  double bend = 0, focal = 0, k1 = 0;
+};
+
 struct MeasuredShape {
-  double bend = 0, focal = 0;
-  double bend_deviation = 0, focal_deviation = 0;
+  ShapeErrors errors, deviations;
 };
 
 struct CameraCheck {
@@ -41,7 +44,7 @@ struct CameraCheck {
 // The standard deviations of the remaining errors of a camera that fits: what remained of 1 % and
 // 1.5 % after a correction from 12 to 16 views with a Kinect's noise (tests/accuracy/README.md, "A
 // camera that is wrong").
-inline constexpr double kFittingFocal = 0.0015, kFittingBend = 0.001;
+inline constexpr ShapeErrors kFitting{.bend = 0.001, .focal = 0.0015, .k1 = 0.003};
 
 class CameraWatch {
  public:

@@ -25,6 +25,7 @@ constexpr std::array<NumberRule, kCameraNumberCount> kRules{{
     {"focal_factor", 0.010, 0.002},
     {"cx_px", 4, 1},
     {"cy_px", 4, 1},
+    {"k1", 0.05, 0.003},
     {"bend", 0.015, 0.001},
     {"inverse_offset_per_m", 0.012, 0.002},
     // A shutter that reads a whole frame takes 33 ms, and a colour image that is paired with the

@@ -56,6 +56,27 @@ DepthPatch patch_at(const Image<float>& inverse, int u, int v, int radius) {
           static_cast<float>(plane[2])};
 }
 
+// Where a patch lies in the undistorted image, and how its inverse depth grows there [1 / (m px)].
+struct StraightPatch {
+  Eigen::Vector2d at_px, per_px;
+};
+
+StraightPatch straightened(const DepthPatch& patch, const Eigen::Vector2d& pixel_px,
+                           const Camera& camera) {
+  const Eigen::Vector2d per_px = Eigen::Vector2f(patch.per_u, patch.per_v).cast<double>();
+  if (camera.distortion == Distortion{}) return {pixel_px, per_px};
+  const Eigen::Vector2d at_px = camera.undistort(pixel_px.x(), pixel_px.y());
+  // Half a pixel to either side.
+  Eigen::Matrix2d distorted_by_straight;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector2d half = 0.5 * Eigen::Vector2d::Unit(axis), ahead = at_px + half,
+                          behind = at_px - half;
+    distorted_by_straight.col(axis) =
+        camera.distort(ahead.x(), ahead.y()) - camera.distort(behind.x(), behind.y());
+  }
+  return {at_px, distorted_by_straight.transpose() * per_px};
+}
+
 }  // namespace
 
 PatchGrid patches_of(const DepthImage& depth, const Camera& camera) {
@@ -85,7 +106,9 @@ std::vector<Facet> facets_of(const PatchGrid& grid, const Camera& camera) {
     for (int column = 0; column < grid.nodes.width; ++column) {
       const DepthPatch& patch = grid.nodes.at(column, row);
       if (patch.inverse_per_m == 0) continue;
-      const double u = grid.pixel_of(column), v = grid.pixel_of(row),
+      const StraightPatch straight =
+          straightened(patch, {grid.pixel_of(column), grid.pixel_of(row)}, camera);
+      const double u = straight.at_px.x(), v = straight.at_px.y(),
                    w = static_cast<double>(patch.inverse_per_m);
       const DepthCorrection& correction = camera.depth_correction;
       // The plane of the corrected inverse depth, (w / factor + offset) / scale.
@@ -94,10 +117,8 @@ std::vector<Facet> facets_of(const PatchGrid& grid, const Camera& camera) {
       const double inverse_per_m = (w / factor + correction.inverse_offset_per_m) / scale;
       if (!(inverse_per_m > 0)) continue;
       const double bent = 2 * correction.bend * w / (factor * factor * corner2);
-      const double per_u =
-          (static_cast<double>(patch.per_u) / factor - bent * (u - middle_x)) / scale;
-      const double per_v =
-          (static_cast<double>(patch.per_v) / factor - bent * (v - middle_y)) / scale;
+      const double per_u = (straight.per_px.x() / factor - bent * (u - middle_x)) / scale;
+      const double per_v = (straight.per_px.y() / factor - bent * (v - middle_y)) / scale;
       const Eigen::Vector3d plane(
           per_u * camera.fx, per_v * camera.fy,
           inverse_per_m - per_u * (u - camera.cx) - per_v * (v - camera.cy));

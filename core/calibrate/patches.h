@@ -42,8 +42,8 @@ struct Facet {
   Eigen::Vector3f plane_per_m = Eigen::Vector3f::Zero();
 };
 
-// Returns a facet per node, with the camera's depth correction but without lens distortion. A facet
-// is zero if the plane is seen at more than 72 degrees from its normal.
+// Returns a facet per node, with the camera's depth correction and lens distortion. A facet is zero
+// if the plane is seen at more than 72 degrees from its normal.
 std::vector<Facet> facets_of(const PatchGrid& grid, const Camera& camera);
 
 }  // namespace hermite::calibrate

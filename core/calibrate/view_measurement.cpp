@@ -46,12 +46,28 @@ void move_to_time_stamp(const PatchGrid& grid, const Vector6d& twist_per_s, doub
   }
 }
 
+void undistort(const Camera& camera, std::vector<adjust::Feature>& features) {
+  for (adjust::Feature& feature : features) {
+    const Eigen::Vector2d received_px = feature.pixel_px.cast<double>();
+    feature.pixel_px = camera.undistort(received_px.x(), received_px.y()).cast<float>();
+  }
+}
+
+// The derivative by k1 of the point of the plane at depth 1 that a pixel of the received image
+// shows; `at` is where it is now.
+Eigen::Vector2d by_radial(const Eigen::Vector2d& at, const Distortion& distortion) {
+  const double r2 = at.squaredNorm();
+  return -at * (r2 / (1 + 3 * distortion.k1 * r2));
+}
+
 }  // namespace
 
 ViewMeasurement::ViewMeasurement(const std::vector<CalibrationView>& views, const Camera& trial,
                                  unsigned thread_count)
-    : views_(views), camera_(trial), facets_(views.size()) {
+    : views_(views), camera_(trial), facets_(views.size()), corners_(views.size()) {
   for_all(views.size(), thread_count, [this](std::size_t i) {
+    corners_[i] = views_[i].features;
+    if (camera_.distortion != Distortion{}) undistort(camera_, corners_[i]);
     facets_[i] = facets_of(views_[i].patches, camera_);
     move_to_time_stamp(views_[i].patches, views_[i].twist_per_s(), camera_.timing.depth_readout_s,
                        camera_.height, facets_[i]);
@@ -68,8 +84,12 @@ std::vector<SurfaceMatch> ViewMeasurement::surface_matches(const PairSide& side,
       (camera_.timing.depth_readout_s * views_[target].twist_per_s()).cast<float>();
   const Eigen::Array2f focal = Eigen::Array2d(camera_.fx, camera_.fy).cast<float>();
   const Eigen::Array2f center = Eigen::Array2d(camera_.cx, camera_.cy).cast<float>();
+  const bool has_distortion = camera_.distortion != Distortion{};
   const auto projected_px = [&](const Eigen::Vector3f& point) {
-    return Eigen::Array2f(point.head<2>().array() / point.z() * focal + center);
+    Eigen::Array2f at = point.head<2>().array() / point.z();
+    if (has_distortion)
+      at = camera_.distortion.apply(double{at.x()}, double{at.y()}).cast<float>().array();
+    return Eigen::Array2f(at * focal + center);
   };
   // Where the target's depth image shows a point, which has moved by the time that its row is
   // taken.
@@ -124,6 +144,8 @@ ViewMeasurement::PointByCamera ViewMeasurement::derivative_by_camera(
   derivative.col(kFocal) << -point_m.x(), -point_m.y(), 0;
   derivative.col(kCenterX) << -point_m.z() / camera_.fx, 0, 0;
   derivative.col(kCenterY) << 0, -point_m.z() / camera_.fy, 0;
+  derivative.col(kRadial).head<2>() =
+      point_m.z() * by_radial(point_m.head<2>() / point_m.z(), camera_.distortion);
   derivative.col(kBend) = point_m * (rho2 / (1 + camera_.depth_correction.bend * rho2) *
                                      (1 - offset_per_m * point_m.z() / scale));
   derivative.col(kInverseOffset) = point_m * ((kUndistortedDepth_m - point_m.z()) / scale);
@@ -166,7 +188,7 @@ std::vector<adjust::LandmarkMatch> ViewMeasurement::corner_matches(
   const Rigid3 of_colors = exp_se3(-camera_.timing.color_delay_s * views_[target].twist_per_s()) *
                            target_from_source *
                            exp_se3(camera_.timing.color_delay_s * views_[source].twist_per_s());
-  return match_corners(views_[source].features, views_[target].features, of_colors, camera_, gates);
+  return match_corners(corners_[source], corners_[target], of_colors, camera_, gates);
 }
 
 double ViewMeasurement::color_time_s(const Eigen::Vector2d& pixel_px) const {
@@ -187,8 +209,8 @@ struct ViewMeasurement::Sighting {
 std::optional<ViewMeasurement::Sighting> ViewMeasurement::sighting(
     const PairSide& side, const adjust::LandmarkMatch& match) const {
   const auto& [source, target, target_from_source] = side;
-  const adjust::Feature &seen = views_[source].features[match.landmark],
-                        &there = views_[target].features[match.feature];
+  const adjust::Feature &seen = corners_[source][match.landmark],
+                        &there = corners_[target][match.feature];
   const std::optional<Eigen::Vector3d> own = point_of(seen, camera_);
   if (!own) return std::nullopt;
   Sighting result;
@@ -235,6 +257,11 @@ void ViewMeasurement::add_corner(const PairSide& side, const adjust::LandmarkMat
       by_own * derivative_by_camera(corner->as_measured_m, corner->source_px);
   derivative(0, 6 + kFocal) += camera_.fx * point.x() / point.z();
   derivative(1, 6 + kFocal) += camera_.fy * point.y() / point.z();
+  const Eigen::Array2d focal(camera_.fx, camera_.fy);
+  const Eigen::Array2d seen_at =
+      (corner->target_px.array() - Eigen::Array2d(camera_.cx, camera_.cy)) / focal;
+  derivative.col(6 + kRadial) -=
+      (by_radial(seen_at.matrix(), camera_.distortion).array() * focal).matrix();
   derivative(0, 6 + kCenterX) += 1;
   derivative(1, 6 + kCenterY) += 1;
   const Eigen::Vector2d later_source = by_own * velocity_of(corner->in_source_m,

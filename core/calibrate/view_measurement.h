@@ -112,7 +112,8 @@ class ViewMeasurement {
 
   const std::vector<CalibrationView>& views_;
   const Camera camera_;
-  std::vector<std::vector<Facet>> facets_;  // by view, at the view's time stamp
+  std::vector<std::vector<Facet>> facets_;             // by view, at the view's time stamp
+  std::vector<std::vector<adjust::Feature>> corners_;  // by view, in the undistorted image
 };
 
 }  // namespace hermite::calibrate

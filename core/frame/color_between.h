@@ -1,6 +1,7 @@
 // Bilinear interpolation of colours.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "core/base/image.h"
@@ -29,11 +30,15 @@ inline std::uint64_t mix(const Rgb8* pair, std::uint64_t share) {
 }
 
 // Interpolates bilinearly between the four pixels around (x, y), with positions rounded to a 256th
-// of a pixel; returns black unless all four are in the image. The error is at most one level.
+// of a pixel; the error is at most one level. Outside of the image it continues the border: a black
+// margin would stay where it is while the camera moves, and its edge would hold the camera back.
+// The image has at least two rows and columns.
 inline Rgb8 color_between(const ColorImage& color, float x, float y) {
-  if (!(x >= 0 && y >= 0)) return {0, 0, 0};
+  constexpr float kLast = 1.0f + 1.0f / 512;  // from there on, the last pixel has all of the weight
+  // In this order NaN becomes 0.
+  x = std::min(std::max(0.0f, x), static_cast<float>(color.width) - kLast);
+  y = std::min(std::max(0.0f, y), static_cast<float>(color.height) - kLast);
   const int left = static_cast<int>(x), top = static_cast<int>(y);
-  if (left + 1 >= color.width || top + 1 >= color.height) return {0, 0, 0};
   const auto in_256ths = [](float share) {
     return static_cast<std::uint64_t>(static_cast<int>(256 * share + 0.5f));
   };

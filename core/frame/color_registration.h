@@ -26,7 +26,7 @@ class ColorRegistration {
   // A CHECK fails unless the camera has a separate colour camera.
   explicit ColorRegistration(const Camera& camera);
 
-  // Returns the registered colour image, black where the colour image ends. `straight_depth` is
+  // Returns the registered colour image, whose border continues where it ends. `straight_depth` is
   // rectified and `color` is as recorded; both have the camera's size.
   ColorImage apply(const ColorImage& color, const DepthImage& straight_depth) const;
 

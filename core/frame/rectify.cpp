@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/frame/color_between.h"
+#include "core/math/depth_between.h"
 
 namespace hermite::frame {
 
@@ -15,15 +16,11 @@ Rectifier::Rectifier(const Camera& camera) : camera_(camera) {
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const Eigen::Vector2d at = camera.distort(x, y);
-      // Clamps positions far outside, so that the cast below stays in range.
+      // Clamps positions far outside, so that a cast to whole pixels stays in range.
       const auto pixel = [](double value, int side) {
         return static_cast<float>(std::clamp(value, -2.0, side + 1.0));
       };
-      const float source_x = pixel(at.x(), camera.width), source_y = pixel(at.y(), camera.height);
-      const int column = static_cast<int>(std::lround(source_x)),
-                row = static_cast<int>(std::lround(source_y));
-      const bool inside = column >= 0 && row >= 0 && column < camera.width && row < camera.height;
-      sources_.push_back({source_x, source_y, inside ? row * camera.width + column : -1});
+      sources_.push_back({pixel(at.x(), camera.width), pixel(at.y(), camera.height)});
     }
 }
 
@@ -31,9 +28,7 @@ DepthImage Rectifier::straight(const DepthImage& depth) const {
   if (sources_.empty()) return depth;
   DepthImage straight(depth.width, depth.height);
   for (std::size_t i = 0; i < sources_.size(); ++i)
-    straight.pixels[i] = sources_[i].nearest >= 0
-                             ? depth.pixels[static_cast<std::size_t>(sources_[i].nearest)]
-                             : std::uint16_t{0};
+    straight.pixels[i] = depth_between(depth, double{sources_[i].x}, double{sources_[i].y});
   return straight;
 }
 

@@ -21,15 +21,14 @@ class Rectifier {
  public:
   explicit Rectifier(const Camera& camera);
 
-  // Takes depth from the nearest pixel and colour between four pixels; outside the image, depth is
-  // 0 and colour black. The frame has the camera's size.
+  // Takes depth (core/math/depth_between.h) and colour between four pixels; outside the image,
+  // depth is 0, and colour continues the border. The frame has the camera's size.
   RgbdFrame apply(const RgbdFrame& frame) const;
 
  private:
   // Position of a rectified pixel in the distorted image.
   struct Source {
-    float x = 0, y = 0;         // pixels
-    std::int32_t nearest = -1;  // index of the nearest pixel; -1: outside
+    float x = 0, y = 0;  // pixels
   };
   DepthImage straight(const DepthImage& depth) const;
   ColorImage straight(const ColorImage& color) const;

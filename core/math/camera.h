@@ -33,6 +33,20 @@ struct Distortion {
     return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
             y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
   }
+  // The inverse of apply() by fixed-point iteration, as in OpenCV. Each step reduces the error by
+  // the distortion's own share there; where that is more than a whole, nothing is undone.
+  Eigen::Vector2d undo(double x, double y) const {
+    Eigen::Vector2d straight(x, y);
+    if (*this == Distortion{}) return straight;
+    for (int i = 0; i < kUndoSteps; ++i) {
+      const Eigen::Vector2d off = Eigen::Vector2d(x, y) - apply(straight.x(), straight.y());
+      straight += off;
+      if (off.squaredNorm() < kUndone * kUndone) break;
+    }
+    return straight;
+  }
+  static constexpr int kUndoSteps = 30;
+  static constexpr double kUndone = 1e-7;  // a ten thousandth of a pixel
 };
 
 // A factor for all depths is the scale of the world, which cannot be observed in a scan. So the
@@ -91,6 +105,11 @@ struct Camera {
   // Returns where the distorted image shows what an undistorted image has at pixel (u, v).
   Eigen::Vector2d distort(double u, double v) const {
     const Eigen::Vector2d at = distortion.apply((u - cx) / fx, (v - cy) / fy);
+    return {at.x() * fx + cx, at.y() * fy + cy};
+  }
+  // The inverse of distort().
+  Eigen::Vector2d undistort(double u, double v) const {
+    const Eigen::Vector2d at = distortion.undo((u - cx) / fx, (v - cy) / fy);
     return {at.x() * fx + cx, at.y() * fy + cy};
   }
   // Returns, for an undistorted pixel, the squared distance from the middle of the image, 1 in the

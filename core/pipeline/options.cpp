@@ -57,8 +57,8 @@ std::vector<Row> frame_rows() {
       {"frame.project_to_surface", f(&F::project_to_surface), 0, 1,
        "move vertices onto the frame's own HRBF surface"},
       {"frame.correct_camera", f(&F::correct_camera), 0, 1,
-       "correct a camera whose focal length, depth bend or timing of rows turns out to be off, and "
-       "reprocess the scan"},
+       "correct a camera whose focal length, distortion, depth bend or timing of rows turns out to "
+       "be off, and reprocess the scan"},
   };
 }
 

@@ -17,6 +17,14 @@ namespace hermite::pipeline {
 
 namespace {
 
+track::CameraDoubts doubts_of(const calibrate::ShapeErrors& errors) {
+  track::CameraDoubts doubts;
+  doubts[track::kBendDoubt] = errors.bend;
+  doubts[track::kFocalDoubt] = errors.focal;
+  doubts[track::kRadialDoubt] = errors.k1;
+  return doubts;
+}
+
 const Camera& checked(const Camera& camera) {
   const Status valid = validate(camera);
   if (!valid.ok()) throw SetupError(valid.error());
@@ -97,8 +105,8 @@ void Pipeline::Impl::begin_with(const Camera& camera) {
       is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
   auto next = std::make_shared<const FramePreparer>(camera, options, camera_count++);
   if (camera_count > 1)
-    reconstruction->front_end.certainty().observe_camera(
-        Eigen::Vector2d::Zero(), {calibrate::kFittingBend, calibrate::kFittingFocal});
+    reconstruction->front_end.certainty().observe_camera(track::CameraDoubts::Zero(),
+                                                         doubts_of(calibrate::kFitting));
   torn_frames = {};
   changes.begin_map(camera_count > 1);
   const std::lock_guard lock(preparer_mutex);
@@ -136,8 +144,9 @@ PastFrames Pipeline::Impl::correct_camera(const calibrate::CameraCheck& check) {
     begin_with(better);
   else
     reconstruction->front_end.certainty().camera_is_off(
-        -check.change[calibrate::kBend], -check.change[calibrate::kFocal],
-        check.change.tail<calibrate::kTimingNumberCount>().cwiseAbs().maxCoeff());
+        -check.change[calibrate::kBend],
+        {-check.change[calibrate::kFocal], -check.change[calibrate::kRadial],
+         check.change.tail<calibrate::kTimingNumberCount>().cwiseAbs().maxCoeff()});
   return past_frames;
 }
 
@@ -146,11 +155,9 @@ PastFrames Pipeline::Impl::correct_camera(const calibrate::CameraCheck& check) {
 std::optional<FrameResult> Pipeline::Impl::follow(const calibrate::CameraCheck& check) {
   track::MapCertainty& certainty = reconstruction->front_end.certainty();
   if (check.verdict == calibrate::CameraVerdict::kFits)
-    certainty.observe_camera(Eigen::Vector2d::Zero(),
-                             {calibrate::kFittingBend, calibrate::kFittingFocal});
+    certainty.observe_camera(track::CameraDoubts::Zero(), doubts_of(calibrate::kFitting));
   if (const std::optional<calibrate::MeasuredShape>& shape = check.measured)
-    certainty.observe_camera({shape->bend, shape->focal},
-                             {shape->bend_deviation, shape->focal_deviation});
+    certainty.observe_camera(doubts_of(shape->errors), doubts_of(shape->deviations));
   if (check.verdict != calibrate::CameraVerdict::kIsOff) return std::nullopt;
   const dataset::Trajectory given = reconstruction->poses.trajectory();
   PastFrames past_frames = correct_camera(check);
@@ -194,6 +201,7 @@ template <class Bytes, class Saved>
 void Pipeline::Impl::camera_fields(Bytes& bytes, Saved& camera) {
   bytes.number(camera.fx);
   bytes.number(camera.fy);
+  bytes.number(camera.distortion.k1);
   bytes.number(camera.depth_correction.bend);
   bytes.number(camera.timing.depth_readout_s);
   bytes.number(camera.timing.color_readout_s);

@@ -23,12 +23,17 @@ std::string CalibrationDoubt::reason() const {
   const std::string no_fit = "the camera's calibration does not fit: ";
   if (std::abs(bend) >= std::max(kLeastBend, kDoubtSigmas * deviation))
     return no_fit + "depth in the corners of the image is" + by_about(bend);
-  if (focal != 0) return no_fit + "its focal length is" + by_about(focal);
-  if (timing_s == 0) return "";
+  if (certain.focal != 0) return no_fit + "its focal length is" + by_about(certain.focal);
   char text[96];
+  if (certain.k1 != 0) {
+    std::snprintf(text, sizeof text, "the distortion of its lens, k1, is too %s by about %.3f",
+                  certain.k1 > 0 ? "great" : "small", std::abs(certain.k1));
+    return no_fit + text;
+  }
+  if (certain.timing_s == 0) return "";
   std::snprintf(text, sizeof text,
                 "the time at which rows of its images are taken is wrong by about %.0f ms",
-                1e3 * timing_s);
+                1e3 * certain.timing_s);
   return no_fit + text;
 }
 

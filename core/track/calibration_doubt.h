@@ -5,12 +5,19 @@
 
 namespace hermite::track {
 
+// Errors of a camera that were found elsewhere and are certain; 0: none.
+struct CertainErrors {
+  double focal = 0;     // share by which the stated focal length is too large
+  double k1 = 0;        // error of the stated Distortion::k1
+  double timing_s = 0;  // the largest error of the stated ImageTiming
+  bool operator==(const CertainErrors&) const = default;
+};
+
 // What contradicts the camera's calibration.
 struct CalibrationDoubt {
   // Share by which depth in the corners of the image is too large, and its standard deviation.
   double bend = 0, deviation = 0;
-  double focal = 0;     // share by which the stated focal length is too large, once that is certain
-  double timing_s = 0;  // the largest error of the stated ImageTiming, once that is certain
+  CertainErrors certain = {};
   // Returns a text if the measurements certainly contradict the calibration; empty otherwise.
   std::string reason() const;
 };

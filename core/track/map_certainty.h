@@ -5,8 +5,8 @@
 // with the error of the surface first seen in it; a frame that is tracked against that surface
 // shares its error. All errors form one Gaussian vector (as in filters with cloned poses:
 // Roumeliotis, Burdick 2002, Stochastic cloning): twists xi_k of the views about the world's
-// origin, estimated = exp(xi_k) true, and c, the error of the camera's calibration (bend of depth
-// and focal length). For a frame
+// origin, estimated = exp(xi_k) true, and c, the error of the camera's calibration (bend of depth,
+// focal length and distortion). For a frame
 //   xi = sum_k W_k xi_k + G c + e:
 // W_k is the share of the information about its motion that comes from surface first seen in view
 // k, so that each direction has the error of the surface that constrains it; G c is the effect of
@@ -16,7 +16,7 @@
 //
 // The bend is also observed: two views of the same surface disagree, whatever their poses, as this
 // bend predicts. Its mean is part of the state, and with it the resulting errors of poses. The
-// focal length is not observed here; results for both that are found elsewhere are passed in.
+// others are not observed here; results for all that are found elsewhere are passed in.
 //
 // Runs on the host. One thread at a time.
 #pragma once
@@ -71,9 +71,9 @@ class MapCertainty {
 
   // Take results of the camera watch (core/calibrate/camera_watch.h): measured errors of the camera
   // and their standard deviations, in the order of CameraDoubt; or that it is certainly off, by
-  // these shares and this time.
-  void observe_camera(const Eigen::Vector2d& errors, const Eigen::Vector2d& deviations);
-  void camera_is_off(double bend, double focal, double timing_s);
+  // this bend and these.
+  void observe_camera(const CameraDoubts& errors, const CameraDoubts& deviations);
+  void camera_is_off(double bend, const CertainErrors& errors);
 
   // Starts a new component of the map: what follows is relative to its first frame, even if it is
   // later joined to others. Knowledge of the camera is kept. `ground`: the layout in which the
@@ -108,8 +108,8 @@ class MapCertainty {
   std::uint64_t closure_count_ = 0;
   PathNoise path_noise_;  // of the same views
   PlaceDoubt place_doubt_;
-  std::size_t known_view_count_ = 0;         // views before the gap that casts doubt on the place
-  double focal_off_ = 0, timing_off_s_ = 0;  // as reported by camera_is_off()
+  std::size_t known_view_count_ = 0;  // views before the gap that casts doubt on the place
+  CertainErrors camera_errors_;       // as reported by camera_is_off()
 };
 
 // Returns the covariance, as a twist about the world's origin, of a relocalisation at

@@ -11,8 +11,10 @@ namespace hermite::track {
 
 namespace {
 
-using Vector8d = Eigen::Matrix<double, 8, 1>;
-using Matrix8d = Eigen::Matrix<double, 8, 8>;
+// The motion between two views, then the camera's errors.
+constexpr Eigen::Index kPairSize = 6 + kCameraDoubtCount;
+using PairVector = Eigen::Matrix<double, kPairSize, 1>;
+using PairMatrix = Eigen::Matrix<double, kPairSize, kPairSize>;
 using PointByCamera = Eigen::Matrix<double, 3, kCameraDoubtCount>;
 
 constexpr std::size_t kMostPixels = 2400;
@@ -38,12 +40,13 @@ double variance_m2(double z) {
   return deviation_m * deviation_m;
 }
 
-// If the stated focal length is too large, points are too close to the optical axis.
+// If the stated focal length or distortion is too large, points are too close to the optical axis.
 PointByCamera off_by_camera(const frame::CoarseView& view, int x, int y) {
   const Eigen::Vector3d point = view.point(x, y);
   PointByCamera off;
   off.col(kBendDoubt) = point * squared_image_distance(view.camera, x, y);
   off.col(kFocalDoubt) = Eigen::Vector3d(-point.x(), -point.y(), 0);
+  off.col(kRadialDoubt) = off.col(kFocalDoubt) * (point / point.z()).head<2>().squaredNorm();
   return off;
 }
 
@@ -136,8 +139,8 @@ Eigen::Matrix<double, 3, 6> moved_by_twist(const Eigen::Vector3d& point_world) {
 CameraTerms camera_terms(const SharedGround& pair) {
   const frame::CoarseView& view = pair.view();
   // First the motion between both, then the camera.
-  Matrix8d slope = Matrix8d::Zero(), information = Matrix8d::Zero();
-  Vector8d gradient = Vector8d::Zero();
+  PairMatrix slope = PairMatrix::Zero(), information = PairMatrix::Zero();
+  PairVector gradient = PairVector::Zero();
   std::size_t met = 0, surface = 0;
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
     for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
@@ -146,10 +149,10 @@ CameraTerms camera_terms(const SharedGround& pair) {
       GroundMeeting meeting;
       if (!pair.meet(x, y, meeting)) continue;
       ++met;
-      Eigen::Matrix<double, 3, 8> moved;
+      Eigen::Matrix<double, 3, kPairSize> moved;
       moved << moved_by_twist(meeting.point), meeting.off_by_camera;
-      const Vector8d row = moved.transpose() * meeting.normal,
-                     own = moved.transpose() * meeting.own_normal;
+      const PairVector row = moved.transpose() * meeting.normal,
+                       own = moved.transpose() * meeting.own_normal;
       const double scaled2 = meeting.distance_m * meeting.distance_m * meeting.weight /
                              (kRobustSigmas * kRobustSigmas);
       const double weight = meeting.weight * kDegreesOfFreedom / (kDegreesOfFreedom + scaled2);
@@ -160,10 +163,11 @@ CameraTerms camera_terms(const SharedGround& pair) {
   if (kLeastShare * met < surface || met < kLeastMeetings) return {};
   const Eigen::FullPivLU<Matrix6d> of_motion(slope.topLeftCorner<6, 6>().transpose());
   if (!of_motion.isInvertible()) return {};
-  Eigen::Matrix<double, 2, 8> whatever_the_motion;
-  whatever_the_motion << -of_motion.solve(slope.bottomLeftCorner<2, 6>().transpose()).transpose(),
-      Eigen::Matrix2d::Identity();
-  return {whatever_the_motion * slope.rightCols<2>(),
+  Eigen::Matrix<double, kCameraDoubtCount, kPairSize> whatever_the_motion;
+  whatever_the_motion
+      << -of_motion.solve(slope.bottomLeftCorner<kCameraDoubtCount, 6>().transpose()).transpose(),
+      CameraDoubtMatrix::Identity();
+  return {whatever_the_motion * slope.rightCols<kCameraDoubtCount>(),
           whatever_the_motion * information * whatever_the_motion.transpose(),
           whatever_the_motion * gradient};
 }

@@ -13,10 +13,13 @@ namespace hermite::track {
 // of 640x480. It has no grey values.
 frame::CoarseView thinned(const frame::CoarseView& view, const frame::CoarseMask& moving);
 
-// Possible errors of a camera, as shares, in this order: depth in the corners of the image is too
-// large by `bend`, which falls with the square of the distance from the middle; the stated focal
-// length is too large by `focal`.
-enum CameraDoubt : Eigen::Index { kBendDoubt, kFocalDoubt, kCameraDoubtCount };
+// Possible errors of a camera, the first two as shares, in this order: depth in the corners of the
+// image is too large by `bend`, which falls with the square of the distance from the middle; the
+// stated focal length is too large by `focal`; the stated distortion of the lens, k1, is too large
+// by this number.
+enum CameraDoubt : Eigen::Index { kBendDoubt, kFocalDoubt, kRadialDoubt, kCameraDoubtCount };
+using CameraDoubts = Eigen::Matrix<double, kCameraDoubtCount, 1>;
+using CameraDoubtMatrix = Eigen::Matrix<double, kCameraDoubtCount, kCameraDoubtCount>;
 
 // A point of one view on the surface of another, in the world. The normals are unit vectors that
 // point away from the cameras.
@@ -59,8 +62,8 @@ Eigen::Matrix<double, 3, 6> moved_by_twist(const Eigen::Vector3d& point_world);
 // slope * c + noise, whose covariance is `information` if pixels are independent. All zero if there
 // is too little in common.
 struct CameraTerms {
-  Eigen::Matrix2d slope = Eigen::Matrix2d::Zero(), information = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+  CameraDoubtMatrix slope = CameraDoubtMatrix::Zero(), information = CameraDoubtMatrix::Zero();
+  CameraDoubts gradient = CameraDoubts::Zero();
 };
 CameraTerms camera_terms(const SharedGround& pair);
 

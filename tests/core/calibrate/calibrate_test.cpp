@@ -93,6 +93,13 @@ TEST(Calibrate, FindsAFocalLength) {
   EXPECT_EQ(found.camera.depth_correction, DepthCorrection{});
 }
 
+TEST(Calibrate, FindsALensThatDistorts) {
+  const auto sequence = open(std::string(kRoom) + "+lens=k1=-0.04+noise=kinect-white,seed=2");
+  const Calibration found = calibrated(*sequence);
+  expect_alone(found, {kRadial}, -0.04, 0.004);
+  EXPECT_EQ(found.camera.distortion.k1, found.numbers[kRadial].value);
+}
+
 // The depth that a sensor measures whose correction has that offset.
 class OffsetSequence : public dataset::ChangedSequence {
  public:

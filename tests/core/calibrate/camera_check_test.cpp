@@ -59,6 +59,17 @@ TEST(CameraCheck, FindsABendOfDepth) {
   EXPECT_NEAR(found.change[kBend], 1 / 1.02 - 1, 0.002);
 }
 
+TEST(CameraCheck, FindsALensThatDistorts) {
+  const std::vector<CalibrationView> views = views_of("+lens=k1=-0.04", 16);
+  const CameraCheck found = check_camera(views, camera_of(""));
+  EXPECT_EQ(found.verdict, CameraVerdict::kIsOff);
+  EXPECT_NEAR(found.change[kRadial], -0.04, 0.004);
+  EXPECT_EQ(found.change[kFocal], 0);
+  EXPECT_EQ(found.change[kBend], 0);
+  // Registered images of two lenses do not tell which of them distorts.
+  EXPECT_EQ(check_camera(views, camera_of(""), Lenses::kTwo).change[kRadial], 0);
+}
+
 // A camera that is moved fast.
 constexpr const char* kRun = "synthetic:speed=2,frames=90,width=320,height=240";
 

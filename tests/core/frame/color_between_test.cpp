@@ -21,16 +21,14 @@ TEST(ColorBetween, IsBilinear) {
   EXPECT_EQ(color_between(color, 0.5f, 0.5f), (Rgb8{100, 20, 75}));
 }
 
-TEST(ColorBetween, WithoutFourPixelsItIsBlack) {
+TEST(ColorBetween, TheBorderContinues) {
   const ColorImage color = four_pixels();
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  for (const auto& [x, y] : {std::pair{-0.01f, 0.0f},
-                             {0.0f, -0.01f},
-                             {1.0f, 0.0f},
-                             {0.0f, 1.0f},
-                             {nan, 0.0f},
-                             {0.0f, nan}})
-    EXPECT_EQ(color_between(color, x, y), Rgb8{}) << x << ", " << y;
+  for (const auto& [x, y] :
+       {std::pair{-0.01f, 0.0f}, {0.0f, -0.01f}, {-7.0f, -1e9f}, {nan, 0.0f}, {0.0f, nan}})
+    EXPECT_EQ(color_between(color, x, y), color.at(0, 0)) << x << ", " << y;
+  for (const auto& [x, y] : {std::pair{1.0f, 1.0f}, {1.5f, 1.0f}, {1e9f, 2.0f}})
+    EXPECT_EQ(color_between(color, x, y), color.at(1, 1)) << x << ", " << y;
 }
 
 }  // namespace

@@ -188,6 +188,20 @@ TEST(Camera, ComparesItsColourCameraToo) {
   EXPECT_NE(other, with_color());
 }
 
+TEST(Camera, UndistortsWhatItDistorts) {
+  Camera camera = kKinect;
+  EXPECT_EQ(camera.undistort(17, 401), Eigen::Vector2d(17, 401));
+  for (const double k1 : {-0.25, -0.02, 0.05, 0.2}) {
+    camera.distortion = {k1, 0.01, 0.001, -0.002, 0};
+    for (const double u : {3.0, 320.0, 600.0})
+      for (const double v : {2.0, 250.0, 470.0}) {
+        const Eigen::Vector2d received_px = camera.distort(u, v),
+                              straight_px = camera.undistort(received_px.x(), received_px.y());
+        EXPECT_LT((straight_px - Eigen::Vector2d(u, v)).norm(), 1e-2) << k1 << ' ' << u << ' ' << v;
+      }
+  }
+}
+
 TEST(Camera, RectifiedItIsOnePinhole) {
   Camera camera = with_color();
   camera.distortion.k1 = 0.1;
