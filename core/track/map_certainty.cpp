@@ -71,6 +71,13 @@ void terms_fields(Bytes& bytes, Terms& terms) {
   bytes.numbers(terms.gradient.data(), kCount);
 }
 
+template <class Bytes, class Errors>
+void error_fields(Bytes& bytes, Errors& errors) {
+  bytes.number(errors.focal);
+  bytes.number(errors.k1);
+  bytes.number(errors.timing_s);
+}
+
 }  // namespace
 
 Matrix6d found_again(const Rigid3& world_from_camera) {
@@ -330,9 +337,7 @@ void MapCertainty::save(ByteWriter& bytes) const {
   bytes.number(way_m_);
   bytes.flags(was_active_);
   bytes.number(closure_count_);
-  bytes.number(camera_errors_.focal);
-  bytes.number(camera_errors_.k1);
-  bytes.number(camera_errors_.timing_s);
+  error_fields(bytes, camera_errors_);
   bytes.list(learned_, terms_fields<ByteWriter, const CameraTerms>);
   path_noise_.save(bytes);
   place_doubt_.save(bytes);
@@ -356,9 +361,7 @@ void MapCertainty::restore(ByteReader& bytes) {
   bytes.number(way_m_);
   bytes.flags(was_active_);
   bytes.number(closure_count_);
-  bytes.number(camera_errors_.focal);
-  bytes.number(camera_errors_.k1);
-  bytes.number(camera_errors_.timing_s);
+  error_fields(bytes, camera_errors_);
   bytes.list(learned_, terms_fields<ByteReader, CameraTerms>);
   path_noise_.restore(bytes, views_.size());
   place_doubt_.restore(bytes);
