@@ -24,7 +24,8 @@ class FramePreparer {
   // Returns kInvalidArgument when the frame has another size than the camera.
   Status check(const frame::RgbdFrame& frame) const;
 
-  // Rectifies and registers the frame, repairs its depth, and detects its features. The frame has the camera's size.
+  // Rectifies and registers the frame, repairs its depth, and detects its features. The frame has
+  // the camera's size.
   frame::PreparedFrame prepare(frame::RgbdFrame frame) const;
 
   // Prepares a frame again: for this camera, if it was prepared for another one, and without its
