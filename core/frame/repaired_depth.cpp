@@ -34,9 +34,12 @@ class Agreement {
         options_(options),
         gate_(static_cast<int>(0.5 * options.depth_gate_m * depth_units_per_metre)) {}
 
+  // Whatever the noise.
+  bool is_clear(Depth a, Depth b) const { return std::abs(a - b) <= gate_; }
+
   bool operator()(Depth a, Depth b) const {
+    if (is_clear(a, b)) return true;
     const int apart = std::abs(a - b);
-    if (apart <= gate_) return true;
     const double sigma_m = model_deviation_m(options_, std::min(a, b) / units_per_metre_);
     return apart <= kNoiseSigmas * sigma_m * units_per_metre_;
   }
@@ -75,6 +78,8 @@ std::array<Depth, 8> neighbours(const Rows& rows, std::size_t x) {
 }
 
 bool is_lone(const Rows& rows, std::size_t x, const Agreement& agree) {
+  // Nearly all pixels are like the one before.
+  if (rows[1][x - 1] != 0 && agree.is_clear(rows[1][x], rows[1][x - 1])) return false;
   int count = 0;
   for (const Depth other : neighbours(rows, x)) {
     if (other == 0) continue;
