@@ -242,8 +242,8 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
     const JointSolution with_lens = question.solve(question.pairs.fitted, is_free, &found);
     if (numbers_off(with_lens)[kRadial] && is_lens_alone(question, is_free, with_lens)) {
       is_free[kFocal] = is_free[kBend] = false;
-      return verdict_on(question, is_free,
-                        question.solve(question.pairs.fitted, is_free, &with_lens));
+      const JointSolution alone = question.solve(question.pairs.fitted, is_free, &with_lens);
+      if (numbers_off(alone)[kRadial]) return verdict_on(question, is_free, alone);
     }
   }
   CameraCheck check = is_known(found) ? verdict_on(question, all, found) : CameraCheck{};
