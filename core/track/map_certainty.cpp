@@ -31,9 +31,9 @@ constexpr std::size_t kMostViews = 160;
 
 // Prior standard deviations of the camera's errors: depth of a Kinect is bent by 0 to 3.5 % (TUM's
 // factors) and mostly calibrated to 1 %; focal lengths are within half a percent of the stated
-// ones. Drivers deliver images without distortion, or state it; k1 of 0.005 displaces the corners
-// of a Kinect's image by 0.3 %, or a pixel.
-constexpr double kBend = 0.010, kFocal = 0.004, kRadial = 0.005;
+// ones. Drivers deliver images without distortion, or state it; k1 of 0.003 displaces the corners
+// of a Kinect's image by 0.2 %, as much as the error of the focal length does.
+constexpr double kBend = 0.010, kFocal = 0.004, kRadial = 0.003;
 
 // Number of pixels with a common error, for all pairs of a new view. With it the estimates are off
 // by 1.2 standard deviations (RMS) over five runs in rendered scenes, undisturbed and with depth
