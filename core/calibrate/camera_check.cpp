@@ -240,10 +240,16 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
     FreeNumbers is_free = all;
     is_free[kRadial] = true;
     const JointSolution with_lens = question.solve(question.pairs.fitted, is_free, &found);
-    if (numbers_off(with_lens)[kRadial] && is_lens_alone(question, is_free, with_lens)) {
-      is_free[kFocal] = is_free[kBend] = false;
-      const JointSolution alone = question.solve(question.pairs.fitted, is_free, &with_lens);
-      if (numbers_off(alone)[kRadial]) return verdict_on(question, is_free, alone);
+    if (numbers_off(with_lens)[kRadial]) {
+      FreeNumbers lens_alone = is_free;
+      lens_alone[kFocal] = lens_alone[kBend] = false;
+      const JointSolution alone = question.solve(question.pairs.fitted, lens_alone, &with_lens);
+      if (numbers_off(alone)[kRadial] && is_lens_alone(question, is_free, with_lens))
+        return verdict_on(question, lens_alone, alone);
+      // It may not be the only error. But focal length and bend together stand for a lens, too:
+      // they are believed only if nothing speaks for it.
+      const FreeNumbers is_off = numbers_off(found);
+      if (is_off[kFocal] && is_off[kBend]) return verdict_on(question, is_free, with_lens);
     }
   }
   CameraCheck check = is_known(found) ? verdict_on(question, all, found) : CameraCheck{};
