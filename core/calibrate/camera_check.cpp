@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <utility>
 
 #include "core/calibrate/pair_agreement.h"
 #include "core/calibrate/view_choice.h"
@@ -136,7 +135,7 @@ std::optional<MeasuredShape> measured(const Question& question, const FreeNumber
     const CameraVector apart = question.solve(half, is_free, &all).change - all.change;
     deviations = deviations.max(shape_of(apart).abs());
   }
-  if (!is_free[kRadial]) deviations[2] = std::max(deviations[2], kUsualRadial);
+  deviations[2] = kUsualRadial;  // it was held fixed
   return MeasuredShape{errors_of(-shape_of(all.change)), errors_of(deviations)};
 }
 
@@ -187,21 +186,18 @@ Loss loss_of(const Question& question, const JointSolution& simple, const JointS
           gain_of(pairs, simple, full, ShowsIn::kCorners).mean};
 }
 
-// Whether distortion alone explains what focal length, distortion and bend together do, better than
-// either of the others alone.
+// Whether the solution `lens_alone` explains what focal length, distortion and bend together do,
+// better than either of the others alone.
 bool is_lens_alone(const Question& question, const FreeNumbers& is_free,
-                   const JointSolution& with_all) {
-  std::array<Loss, 3> losses;
-  constexpr std::array<CameraNumber, 3> kShape{kRadial, kFocal, kBend};
-  for (std::size_t i = 0; i < kShape.size(); ++i) {
+                   const JointSolution& with_all, const JointSolution& lens_alone) {
+  const Loss loss = loss_of(question, lens_alone, with_all);
+  if (loss.in_surfaces > kMostLossInSurfaces || loss.in_corners > kMostLossInCorners) return false;
+  return std::ranges::all_of(std::array{kFocal, kBend}, [&](CameraNumber number) {
     FreeNumbers alone = is_free;
-    for (const CameraNumber other : kShape) alone[other] = other == kShape[i];
-    losses[i] =
-        loss_of(question, question.solve(question.pairs.fitted, alone, &with_all), with_all);
-  }
-  return losses[0].in_surfaces <= kMostLossInSurfaces &&
-         losses[0].in_corners <= kMostLossInCorners && losses[0].all() < losses[1].all() &&
-         losses[0].all() < losses[2].all();
+    for (const CameraNumber other : {kFocal, kRadial, kBend}) alone[other] = other == number;
+    const JointSolution solution = question.solve(question.pairs.fitted, alone, &with_all);
+    return loss.all() < loss_of(question, solution, with_all).all();
+  });
 }
 
 // Judges a solution with these free parameters.
@@ -244,7 +240,7 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
       FreeNumbers lens_alone = is_free;
       lens_alone[kFocal] = lens_alone[kBend] = false;
       const JointSolution alone = question.solve(question.pairs.fitted, lens_alone, &with_lens);
-      if (numbers_off(alone)[kRadial] && is_lens_alone(question, is_free, with_lens))
+      if (numbers_off(alone)[kRadial] && is_lens_alone(question, is_free, with_lens, alone))
         return verdict_on(question, lens_alone, alone);
       // It may not be the only error. But focal length and bend together stand for a lens, too:
       // they are believed only if nothing speaks for it.
