@@ -1,6 +1,7 @@
 # What the targets link, as core/CMakeLists.txt finds it.
 include(CMakeFindDependencyMacro)
 find_dependency(Eigen3 NO_MODULE)
+find_dependency(fmt)
 find_dependency(Vulkan)
 find_dependency(Threads)
 find_dependency(PkgConfig)
