@@ -1,5 +1,7 @@
 #include "core/base/byte_stream.h"
 
+#include <fmt/core.h>
+
 #include <cstring>
 
 namespace hermite {
@@ -60,7 +62,7 @@ void ByteReader::text(std::string& text) {
 
 void ByteReader::require(bool right, const char* message) {
   if (right || !ok()) return;
-  wrong_ = "at byte " + std::to_string(size_ - rest_.size()) + ": " + message;
+  wrong_ = fmt::format("at byte {}: {}", size_ - rest_.size(), message);
 }
 
 Status ByteReader::status() const {
