@@ -1,5 +1,7 @@
 #include "core/math/camera.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <string>
 
@@ -22,9 +24,9 @@ bool is_within(const Bound& bound) {
 
 // `owner` is "camera." or "camera.color.".
 Error out_of_range(const std::string& owner, const Bound& bound) {
-  return {ErrorCode::kInvalidArgument, owner + bound.field + " is " + std::to_string(bound.value) +
-                                           ", allowed is " + std::to_string(bound.low) + " to " +
-                                           std::to_string(bound.high)};
+  return {ErrorCode::kInvalidArgument,
+          fmt::format("{}{} is {:f}, allowed is {:f} to {:f}", owner, bound.field, bound.value,
+                      bound.low, bound.high)};
 }
 
 struct Lens {
@@ -39,8 +41,9 @@ Status validate_distortion(const std::string& owner, const Lens& lens, int width
       const double moved_px = (lens.distortion.apply(at.x(), at.y()) - at).norm() * lens.fx;
       if (!(moved_px <= 0.25 * width))
         return Error{ErrorCode::kInvalidArgument,
-                     owner + "distortion moves a corner of the image by " +
-                         std::to_string(moved_px) + " pixels, allowed is a quarter of its width"};
+                     fmt::format("{}distortion moves a corner of the image by {:f} pixels, allowed "
+                                 "is a quarter of its width",
+                                 owner, moved_px)};
     }
   return Done{};
 }
