@@ -1,5 +1,7 @@
 #include "core/raw/raw_frames.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -117,8 +119,7 @@ std::int64_t frame_bytes(const Camera& camera) {
 }
 
 std::string wrong_frame_count(std::int64_t count) {
-  return "frame_count is " + std::to_string(count) + ", allowed is 1 to " +
-         std::to_string(kMaxRawFrames);
+  return fmt::format("frame_count is {}, allowed is 1 to {}", count, kMaxRawFrames);
 }
 
 template <class Value>
@@ -159,8 +160,8 @@ const char* read_parts(std::ifstream& file, std::uint32_t version, Camera& camer
 
 Error RawFrameWriter::cannot_write() const {
   return {ErrorCode::kIo,
-          "writing " + path_ + ": " +
-              (errno != 0 ? std::strerror(errno) : "the file did not take all bytes")};
+          fmt::format("writing {}: {}", path_,
+                      errno != 0 ? std::strerror(errno) : "the file did not take all bytes")};
 }
 
 Result<RawFrameWriter> RawFrameWriter::create(const std::string& path, const Camera& camera,
@@ -198,12 +199,12 @@ Status RawFrameWriter::append(const frame::RgbdFrame& frame) {
     return image.width == camera_.width && image.height == camera_.height;
   };
   if (!fits(frame.depth) || !fits(frame.color))
-    return Error{ErrorCode::kInvalidArgument, "a frame of another size than the camera's, " +
-                                                  std::to_string(camera_.width) + "x" +
-                                                  std::to_string(camera_.height)};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("a frame of another size than the camera's, {}x{}", camera_.width,
+                             camera_.height)};
   if (written_count_ == frame_count_)
     return Error{ErrorCode::kInvalidArgument,
-                 path_ + " was to hold " + std::to_string(frame_count_) + " frames, not one more"};
+                 fmt::format("{} was to hold {} frames, not one more", path_, frame_count_)};
   errno = 0;
   write_from(file_, &frame.timestamp_s);
   write_from(file_, frame.depth.pixels.data(), frame.depth.pixels.size());
@@ -215,9 +216,8 @@ Status RawFrameWriter::append(const frame::RgbdFrame& frame) {
 
 Status RawFrameWriter::finish() {
   if (written_count_ != frame_count_)
-    return Error{ErrorCode::kInvalidArgument,
-                 path_ + " was to hold " + std::to_string(frame_count_) + " frames and got " +
-                     std::to_string(written_count_)};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{} was to hold {} frames and got {}",
+                                                          path_, frame_count_, written_count_)};
   errno = 0;
   file_.close();
   if (!file_) return cannot_write();
@@ -238,19 +238,19 @@ Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
   errno = 0;
   reader.file_.open(path, std::ios::binary);
   if (error || !reader.file_)
-    return Error{ErrorCode::kIo, "cannot read " + path + ": " + std::strerror(errno)};
+    return Error{ErrorCode::kIo, fmt::format("cannot read {}: {}", path, std::strerror(errno))};
   Header header;
   if (!read_into(reader.file_, &header))
-    return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, the header alone has " +
-                          std::to_string(sizeof header));
+    return reader.corrupt(
+        fmt::format("only {} bytes, the header alone has {}", file_bytes, sizeof header));
   if (header.magic != kMagic)
     return reader.corrupt("no file of raw frames: it does not begin with HRMFRAME");
   if (header.version < kPlainVersion || header.version > kLastVersion)
-    return reader.corrupt("version " + std::to_string(header.version) +
-                          ", this program reads versions 1 to 8");
+    return reader.corrupt(
+        fmt::format("version {}, this program reads versions 1 to 8", header.version));
   reader.camera_ = camera_of(header);
   if (const char* cut = read_parts(reader.file_, header.version, reader.camera_))
-    return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, cut in the " + cut);
+    return reader.corrupt(fmt::format("only {} bytes, cut in the {}", file_bytes, cut));
   reader.header_bytes_ = static_cast<std::int64_t>(reader.file_.tellg());
   if (const Status valid = validate(reader.camera_); !valid.ok())
     return reader.corrupt(valid.error().message);
@@ -260,11 +260,10 @@ Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
   const std::int64_t expected_bytes =
       reader.header_bytes_ + reader.frame_count_ * frame_bytes(reader.camera_);
   if (file_bytes != expected_bytes)
-    return reader.corrupt(std::to_string(file_bytes) + " bytes, " +
-                          std::to_string(reader.frame_count_) + " frames of " +
-                          std::to_string(header.width) + "x" + std::to_string(header.height) +
-                          " take " + std::to_string(expected_bytes) +
-                          (file_bytes < expected_bytes ? ": the file was cut short" : ""));
+    return reader.corrupt(
+        fmt::format("{} bytes, {} frames of {}x{} take {}{}", file_bytes, reader.frame_count_,
+                    header.width, header.height, expected_bytes,
+                    file_bytes < expected_bytes ? ": the file was cut short" : ""));
   return reader;
 }
 
@@ -273,9 +272,9 @@ Result<double> RawFrameReader::timestamp_s(std::int64_t index) {
   double time_s = 0;
   file_.seekg(header_bytes_ + index * frame_bytes(camera_));
   if (!read_into(file_, &time_s))
-    return Error{ErrorCode::kIo, "cannot read frame " + std::to_string(index) + " of " + path_};
+    return Error{ErrorCode::kIo, fmt::format("cannot read frame {} of {}", index, path_)};
   if (!std::isfinite(time_s))
-    return corrupt("the time stamp of frame " + std::to_string(index) + " is no number");
+    return corrupt(fmt::format("the time stamp of frame {} is no number", index));
   return time_s;
 }
 
@@ -286,8 +285,7 @@ Result<frame::RgbdFrame> RawFrameReader::read(std::int64_t index) {
                          ColorImage(camera_.width, camera_.height)};
   const bool read = read_into(file_, frame.depth.pixels.data(), frame.depth.pixels.size()) &&
                     read_into(file_, frame.color.pixels.data(), frame.color.pixels.size());
-  if (!read)
-    return Error{ErrorCode::kIo, "cannot read frame " + std::to_string(index) + " of " + path_};
+  if (!read) return Error{ErrorCode::kIo, fmt::format("cannot read frame {} of {}", index, path_)};
   return frame;
 }
 
