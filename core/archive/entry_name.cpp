@@ -1,5 +1,7 @@
 #include "core/archive/entry_name.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "core/base/utf8.h"
@@ -8,7 +10,8 @@ namespace hermite::archive {
 namespace {
 
 Error refused(std::string_view name, const std::string& reason) {
-  return {ErrorCode::kInvalidArgument, "the name \"" + shown_entry_name(name) + "\" " + reason};
+  return {ErrorCode::kInvalidArgument,
+          fmt::format("the name \"{}\" {}", shown_entry_name(name), reason)};
 }
 
 }  // namespace
@@ -16,8 +19,8 @@ Error refused(std::string_view name, const std::string& reason) {
 Result<std::vector<std::string>> safe_entry_parts(std::string_view name) {
   if (name.empty()) return refused(name, "is empty");
   if (name.size() > kMaxEntryName_bytes)
-    return refused(name, "has " + std::to_string(name.size()) + " bytes, allowed are " +
-                             std::to_string(kMaxEntryName_bytes));
+    return refused(name,
+                   fmt::format("has {} bytes, allowed are {}", name.size(), kMaxEntryName_bytes));
   if (std::any_of(name.begin(), name.end(), is_control))
     return refused(name, "has a control character");
   if (name.find('\\') != std::string_view::npos) return refused(name, "has a backslash");
@@ -30,11 +33,10 @@ Result<std::vector<std::string>> safe_entry_parts(std::string_view name) {
     if (part.empty() || part == ".") continue;
     if (part == "..") return refused(part, "leads out of the folder");
     if (part.size() > kMaxEntryPart_bytes)
-      return refused(part, "has " + std::to_string(part.size()) + " bytes, allowed are " +
-                               std::to_string(kMaxEntryPart_bytes));
-    if (parts.size() == kMaxEntryDepth)
       return refused(part,
-                     "lies more than " + std::to_string(kMaxEntryDepth - 1) + " folders deep");
+                     fmt::format("has {} bytes, allowed are {}", part.size(), kMaxEntryPart_bytes));
+    if (parts.size() == kMaxEntryDepth)
+      return refused(part, fmt::format("lies more than {} folders deep", kMaxEntryDepth - 1));
     parts.push_back(part);
   }
   return parts;

@@ -1,6 +1,7 @@
 #include "core/archive/fresh_folder.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -47,11 +48,12 @@ Status OpenFile::write(std::span<const std::uint8_t> bytes) const {
 Result<FreshFolder> FreshFolder::open(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (error) return Error{ErrorCode::kIo, "making the folder " + path + ": " + error.message()};
+  if (error)
+    return Error{ErrorCode::kIo, fmt::format("making the folder {}: {}", path, error.message())};
   OpenFile root(::open(path.c_str(), kFolderFlags));
   if (root.descriptor() < 0) return failure("opening the folder " + path);
   if (!std::filesystem::is_empty(path, error) || error)
-    return Error{ErrorCode::kInvalidArgument, "the folder " + path + " is not empty"};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("the folder {} is not empty", path)};
   return FreshFolder(path, std::move(root));
 }
 

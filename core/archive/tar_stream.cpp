@@ -1,6 +1,7 @@
 #include "core/archive/tar_stream.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -35,8 +36,8 @@ Result<std::string> ustar_header(const std::string& name, std::int64_t size_byte
     split = name.find('/', name.size() - kMaxName_bytes - 1);
     if (split == std::string::npos || split > kMaxPrefix_bytes)
       return Error{ErrorCode::kInvalidArgument,
-                   "the name " + shown_entry_name(name) +
-                       " is too long for a tar: pack the folder yourself"};
+                   fmt::format("the name {} is too long for a tar: pack the folder yourself",
+                               shown_entry_name(name))};
   }
   std::string header(kBlock_bytes, '\0');
   const auto put = [&header](std::size_t at, const std::string& text) {
@@ -70,12 +71,13 @@ Status read_at(const std::string& path, std::int64_t offset, std::int64_t expect
   const OpenFile file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat status {};
   if (file.descriptor() < 0 || fstat(file.descriptor(), &status) != 0)
-    return Error{ErrorCode::kIo, "reading " + path + ": " + std::strerror(errno)};
+    return Error{ErrorCode::kIo, fmt::format("reading {}: {}", path, std::strerror(errno))};
   if (status.st_size != expected_bytes) return changed;
   while (count > 0) {
     const ssize_t got = pread(file.descriptor(), to, static_cast<std::size_t>(count), offset);
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return Error{ErrorCode::kIo, "reading " + path + ": " + std::strerror(errno)};
+    if (got < 0)
+      return Error{ErrorCode::kIo, fmt::format("reading {}: {}", path, std::strerror(errno))};
     if (got == 0) return changed;
     to += got;
     offset += got;
@@ -93,12 +95,13 @@ Result<std::vector<fs::path>> files_below(const fs::path& folder) {
     std::error_code gone;
     if (entry->is_symlink(gone) || !entry->is_regular_file(gone)) continue;
     if (static_cast<std::int64_t>(files.size()) == UnpackLimits().entry_count)
-      return Error{ErrorCode::kTooLarge, folder.string() + " has more than " +
-                                             std::to_string(UnpackLimits().entry_count) + " files"};
+      return Error{ErrorCode::kTooLarge, fmt::format("{} has more than {} files", folder.string(),
+                                                     UnpackLimits().entry_count)};
     files.push_back(entry->path().lexically_relative(folder));
   }
   if (error)
-    return Error{ErrorCode::kIo, "reading the folder " + folder.string() + ": " + error.message()};
+    return Error{ErrorCode::kIo,
+                 fmt::format("reading the folder {}: {}", folder.string(), error.message())};
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -124,7 +127,7 @@ Result<TarStream> TarStream::open(const std::string& folder) {
 Status TarStream::add(const std::string& path, const std::string& name) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0)
-    return Error{ErrorCode::kIo, "reading " + path + ": " + std::strerror(errno)};
+    return Error{ErrorCode::kIo, fmt::format("reading {}: {}", path, std::strerror(errno))};
   if (const auto parts = safe_entry_parts(name); !parts.ok())
     return in_context(path, parts.error());
   if (status.st_size > kMaxFile_bytes)
@@ -133,9 +136,8 @@ Status TarStream::add(const std::string& path, const std::string& name) {
   if (!header.ok()) return header.error();
   members_.push_back({path, *std::move(header), size_bytes_, status.st_size});
   size_bytes_ += kBlock_bytes + padded(status.st_size);
-  fingerprint_ += name + " " + std::to_string(status.st_size) + " " +
-                  std::to_string(status.st_mtim.tv_sec) + "." +
-                  std::to_string(status.st_mtim.tv_nsec) + "\n";
+  fingerprint_ += fmt::format("{} {} {}.{}\n", name, status.st_size, status.st_mtim.tv_sec,
+                              status.st_mtim.tv_nsec);
   return Done{};
 }
 

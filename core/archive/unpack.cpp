@@ -3,6 +3,7 @@
 #include <archive.h>
 #include <archive_entry.h>
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -77,14 +78,15 @@ Result<Source> open_source(const std::string& path) {
   Source source{OpenFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)), 0, nullptr};
   if (source.file.descriptor() < 0)
     return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
-                 "cannot read " + path + ": " + std::strerror(errno)};
+                 fmt::format("cannot read {}: {}", path, std::strerror(errno))};
   struct stat status {};
   if (fstat(source.file.descriptor(), &status) != 0 || !S_ISREG(status.st_mode))
     return Error{ErrorCode::kIo, path + " is not a file"};
   source.bytes = status.st_size;
   std::array<std::uint8_t, kTarBlock_bytes> start{};
   const ssize_t count = pread(source.file.descriptor(), start.data(), start.size(), 0);
-  if (count < 0) return Error{ErrorCode::kIo, "cannot read " + path + ": " + std::strerror(errno)};
+  if (count < 0)
+    return Error{ErrorCode::kIo, fmt::format("cannot read {}: {}", path, std::strerror(errno))};
   source.kind = archive_kind(Bytes(start).first(static_cast<std::size_t>(count)), kMagics);
   return source;
 }
@@ -107,9 +109,9 @@ Status check_zip(const Source& source, const UnpackLimits& limits) {
   const Result<std::int64_t> entries = max_zip_entries(source.file.descriptor(), source.bytes);
   if (!entries.ok()) return entries.error();
   if (*entries > kZipDirectorySlack * limits.entry_count + kZipDirectorySlack)
-    return Error{ErrorCode::kTooLarge, "the zip's directory has room for " +
-                                           std::to_string(*entries) + " entries, allowed are " +
-                                           std::to_string(limits.entry_count)};
+    return Error{ErrorCode::kTooLarge,
+                 fmt::format("the zip's directory has room for {} entries, allowed are {}",
+                             *entries, limits.entry_count)};
   return Done{};
 }
 
@@ -184,15 +186,15 @@ class Unpacking {
         return Error{ErrorCode::kInvalidArgument, "it is compressed more than once"};
       if (entry_count == limits_.entry_count)
         return Error{ErrorCode::kTooLarge,
-                     "more than " + std::to_string(limits_.entry_count) + " entries"};
+                     fmt::format("more than {} entries", limits_.entry_count)};
       const char* name = archive_entry_pathname(entry);
       if (name == nullptr) name = archive_entry_pathname_utf8(entry);
       if (name == nullptr)
         return Error{ErrorCode::kInvalidArgument,
-                     "entry " + std::to_string(entry_count) + " has a name that is no text"};
+                     fmt::format("entry {} has a name that is no text", entry_count)};
       const std::string shown = shown_entry_name(name);
       if (const Status done = unpack(entry, name); !done.ok())
-        return in_context("entry \"" + shown + "\"", done.error());
+        return in_context(fmt::format("entry \"{}\"", shown), done.error());
     }
   }
 
@@ -202,15 +204,16 @@ class Unpacking {
     if (!parts.ok()) return parts.error();
     if (const char* refused = refused_type(entry))
       return Error{ErrorCode::kInvalidArgument,
-                   std::string("is ") + refused + "; only regular files are unpacked"};
+                   fmt::format("is {}; only regular files are unpacked", refused)};
     const bool is_folder = archive_entry_filetype(entry) == AE_IFDIR;
     count_inodes(parts->size());
     if (is_folder) return lacks_room() ? Status(Done{}) : folder_.make_folder(*parts);
     if (parts->empty()) return Error{ErrorCode::kInvalidArgument, "is a file without a name"};
     if (static_cast<std::uint64_t>(++summary_.file_count) > limits_.capacity_inodes)
-      return Error{ErrorCode::kTooLarge, "it has more files than the " +
-                                             std::to_string(limits_.capacity_inodes) +
-                                             " inodes that the disk could have room for"};
+      return Error{
+          ErrorCode::kTooLarge,
+          fmt::format("it has more files than the {} inodes that the disk could have room for",
+                      limits_.capacity_inodes)};
     if (lacks_room()) return read_contents(nullptr);
     const Result<OpenFile> file = folder_.create(*parts);
     return file.ok() ? read_contents(&*file) : file.error();
@@ -244,12 +247,13 @@ class Unpacking {
       return {ErrorCode::kBusy,
               "the disk has no room for it now: others have taken some while it was unpacked"};
     if (inode_count_ > limits_.room_inodes)
-      return {ErrorCode::kBusy, "it has up to " + std::to_string(inode_count_) +
-                                    " files and folders, the disk has room for " +
-                                    std::to_string(limits_.room_inodes) + " (inodes) now"};
-    return {ErrorCode::kBusy, "unpacked it has " + megabytes(summary_.output_bytes) +
-                                  ", the disk has room for " + megabytes(limits_.room_bytes) +
-                                  " now"};
+      return {
+          ErrorCode::kBusy,
+          fmt::format("it has up to {} files and folders, the disk has room for {} (inodes) now",
+                      inode_count_, limits_.room_inodes)};
+    return {ErrorCode::kBusy,
+            fmt::format("unpacked it has {}, the disk has room for {} now",
+                        megabytes(summary_.output_bytes), megabytes(limits_.room_bytes))};
   }
 
   // Without a file the bytes are only counted.
@@ -293,22 +297,23 @@ class Unpacking {
     if (kind == nullptr) kind = archive_kind(start, kForeignMagics);
     if (kind == nullptr) return Done{};
     return Error{ErrorCode::kInvalidArgument,
-                 std::string("is an archive (") + kind + ") inside the archive"};
+                 fmt::format("is an archive ({}) inside the archive", kind)};
   }
 
   Status check_output() const {
     const std::uint64_t bytes = summary_.output_bytes;
     if (bytes > limits_.output_bytes)
       return Error{ErrorCode::kTooLarge,
-                   "unpacked it has more than " + std::to_string(limits_.output_bytes) + " bytes"};
+                   fmt::format("unpacked it has more than {} bytes", limits_.output_bytes)};
     if (bytes > limits_.capacity_bytes)
-      return Error{ErrorCode::kTooLarge, "unpacked it has more than " +
-                                             megabytes(limits_.capacity_bytes) +
-                                             ", all that the disk could have room for"};
+      return Error{
+          ErrorCode::kTooLarge,
+          fmt::format("unpacked it has more than {}, all that the disk could have room for",
+                      megabytes(limits_.capacity_bytes))};
     if (bytes > limits_.ratio_free_bytes && bytes / limits_.ratio > packed_bytes_)
-      return Error{ErrorCode::kTooLarge, "unpacked it has more than " +
-                                             std::to_string(limits_.ratio) + " times its " +
-                                             std::to_string(packed_bytes_) + " bytes"};
+      return Error{ErrorCode::kTooLarge,
+                   fmt::format("unpacked it has more than {} times its {} bytes", limits_.ratio,
+                               packed_bytes_)};
     return Done{};
   }
 

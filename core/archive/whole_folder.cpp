@@ -1,6 +1,7 @@
 #include "core/archive/whole_folder.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -23,7 +24,7 @@ Error folder_failure(const std::string& message) {
 Status sync_all_of(const std::string& path) {
   const OpenFile folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.descriptor() < 0 || ::syncfs(folder.descriptor()) != 0)
-    return folder_failure("bringing " + path + " to the disk");
+    return folder_failure(fmt::format("bringing {} to the disk", path));
   return Done{};
 }
 
@@ -57,9 +58,8 @@ Result<WholeFolder> WholeFolder::make(const std::string& given) {
   const fs::path parent = fs::path(path).parent_path();
   if (!parent.empty() && !fs::is_directory(parent, error))
     return Error{ErrorCode::kNotFound,
-                 path + ": there is no folder " + parent.string() + " to put it into"};
-  const std::string growing =
-      path + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".tmp";
+                 fmt::format("{}: there is no folder {} to put it into", path, parent.string())};
+  const std::string growing = fmt::format("{}.{}-{}.tmp", path, ::getpid(), count++);
   Result<FreshFolder> folder = FreshFolder::open(growing);
   if (!folder.ok()) return folder.error();
   return WholeFolder(std::move(path), growing, *std::move(folder));
@@ -83,14 +83,14 @@ Status WholeFolder::finish() {
     if (errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR)
       return Error{ErrorCode::kInvalidArgument,
                    path_ + ": something else came there in the meantime"};
-    return folder_failure("moving " + growing_ + " to " + path_);
+    return folder_failure(fmt::format("moving {} to {}", growing_, path_));
   }
   growing_.clear();
   const std::string parent = fs::path(path_).parent_path().string();
   const OpenFile folder(
       ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.descriptor() < 0 || ::fsync(folder.descriptor()) != 0)
-    return folder_failure("bringing " + path_ + " to the disk");
+    return folder_failure(fmt::format("bringing {} to the disk", path_));
   return Done{};
 }
 

@@ -1,5 +1,6 @@
 #include "core/archive/zip_directory.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -32,8 +33,7 @@ Result<std::vector<std::uint8_t>> read_at(int descriptor, std::int64_t offset, s
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(count));
   if (offset < 0 ||
       pread(descriptor, bytes.data(), bytes.size(), offset) != static_cast<ssize_t>(count))
-    return corrupt("cannot read " + std::to_string(count) + " bytes at offset " +
-                   std::to_string(offset));
+    return corrupt(fmt::format("cannot read {} bytes at offset {}", count, offset));
   return bytes;
 }
 
@@ -68,8 +68,8 @@ Result<std::int64_t> max_zip_entries(int descriptor, std::int64_t file_bytes) {
     begin = *far_begin;
   }
   if (begin > end_offset)
-    return corrupt("the directory begins at " + std::to_string(begin) + ", behind its end at " +
-                   std::to_string(end_offset));
+    return corrupt(
+        fmt::format("the directory begins at {}, behind its end at {}", begin, end_offset));
   return (end_offset - begin) / kMinEntry_bytes;
 }
 
