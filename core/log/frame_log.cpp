@@ -1,5 +1,7 @@
 #include "core/log/frame_log.h"
 
+#include <fmt/core.h>
+
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -53,16 +55,17 @@ Result<Survey> survey(const std::string& folder) {
     if (!record.ok()) return record.error();
     if (!*record) break;
     if (!in_place((*record)->type, (*record)->number))
-      return Error{ErrorCode::kCorruptData,
-                   "the log in " + folder + " does not begin with the records terms and start"};
+      return Error{
+          ErrorCode::kCorruptData,
+          fmt::format("the log in {} does not begin with the records terms and start", folder)};
     add_to(found.contents, **std::move(record));
   }
   found.end = reader.end();
   found.contents.record_count = found.end.record_count;
   found.contents.cut = found.end.message;
   if (found.end.record_count < 2)
-    return Error{ErrorCode::kCorruptData,
-                 "the log in " + folder + " has no valid beginning: " + found.end.message};
+    return Error{ErrorCode::kCorruptData, fmt::format("the log in {} has no valid beginning: {}",
+                                                      folder, found.end.message)};
   return found;
 }
 
@@ -188,9 +191,11 @@ Status FrameLog::append(RecordType type, std::string payload) {
     const std::lock_guard lock(impl_->mutex);
     if (impl_->failure) return *impl_->failure;
     if (impl_->waiting_bytes + payload.size() > impl_->options.max_waiting_bytes)
-      return Error{ErrorCode::kBusy,
-                   "the disk is too slow: " + std::to_string(impl_->waiting_bytes) +
-                       " bytes of frames wait to be written, which is the limit"};
+      return Error{
+          ErrorCode::kBusy,
+          fmt::format(
+              "the disk is too slow: {} bytes of frames wait to be written, which is the limit",
+              impl_->waiting_bytes)};
     impl_->waiting_bytes += payload.size();
     impl_->waiting.push_back({type, std::move(payload)});
   }

@@ -1,5 +1,7 @@
 #include "core/log/frame_log_reader.h"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include "core/log/segment_file.h"
@@ -45,12 +47,12 @@ Result<std::optional<LogRecord>> FrameLogReader::next() {
   }
   const Result<std::string> bytes = file_->read(end_.offset, kRecordHeaderBytes);
   if (!bytes.ok()) return bytes.error();
-  const std::string where = segment_name(end_.segment) + " at byte " + std::to_string(end_.offset);
+  const std::string where = fmt::format("{} at byte {}", segment_name(end_.segment), end_.offset);
   const std::optional<RecordHeader> header = parse_record_header(*bytes);
   if (!header) return stop(where + ": there is no valid record header");
   if (header->number != end_.record_count)
-    return stop(where + ": found record " + std::to_string(header->number) + " instead of " +
-                std::to_string(end_.record_count));
+    return stop(
+        fmt::format("{}: found record {} instead of {}", where, header->number, end_.record_count));
   Result<std::string> payload = file_->read(end_.offset + kRecordHeaderBytes, header->length);
   if (!payload.ok()) return payload.error();
   if (payload->size() != header->length) return stop(where + ": cut within a record");

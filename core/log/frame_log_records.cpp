@@ -1,5 +1,7 @@
 #include "core/log/frame_log_records.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -60,7 +62,7 @@ class SegmentWalk {
 
  private:
   std::string where() const {
-    return segment_name(segment_) + " at byte " + std::to_string(record_offset_) + ": ";
+    return fmt::format("{} at byte {}: ", segment_name(segment_), record_offset_);
   }
   std::optional<RecordHeader> stop(const char* message) {
     is_stopped_ = true;

@@ -1,6 +1,7 @@
 #include "core/log/log_segments.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -69,8 +70,9 @@ Status LogSegments::remove_segments_after(std::uint32_t segment) {
   for (const std::filesystem::path& path : later)
     if (!error) std::filesystem::remove(path, error);
   if (error)
-    return Error{ErrorCode::kIo, "removing the segments after the end of the log in " + folder_ +
-                                     ": " + error.message()};
+    return Error{ErrorCode::kIo,
+                 fmt::format("removing the segments after the end of the log in {}: {}", folder_,
+                             error.message())};
   return Done{};
 }
 
@@ -105,7 +107,7 @@ Status LogSegments::append(RecordType type, std::string_view payload) {
 
 Status LogSegments::sync() {
   if (options_.sync(file_) != 0)
-    return io_failure("syncing " + folder_ + "/" + segment_name(segment_));
+    return io_failure(fmt::format("syncing {}/{}", folder_, segment_name(segment_)));
   return Done{};
 }
 
@@ -113,7 +115,8 @@ Status LogSegments::write_all(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t count = options_.write(file_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return io_failure("writing " + folder_ + "/" + segment_name(segment_));
+    if (count <= 0)
+      return io_failure(fmt::format("writing {}/{}", folder_, segment_name(segment_)));
     bytes.remove_prefix(static_cast<std::size_t>(count));
     offset_ += static_cast<std::uint64_t>(count);
   }
