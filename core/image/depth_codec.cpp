@@ -1,5 +1,6 @@
 #include "core/image/depth_codec.h"
 
+#include <fmt/core.h>
 #include <zstd.h>
 
 #include <bit>
@@ -107,13 +108,14 @@ Result<std::vector<std::uint32_t>> unpack_words(std::span<const std::uint8_t> by
   if (content_bytes == ZSTD_CONTENTSIZE_UNKNOWN)
     return corrupt_depth("the zstd frame does not state its content size");
   if (content_bytes > max_bytes) {
-    return Error{ErrorCode::kTooLarge,
-                 "depth: the zstd frame states " + std::to_string(content_bytes) +
-                     " bytes, the limit for this image is " + std::to_string(max_bytes)};
+    return Error{
+        ErrorCode::kTooLarge,
+        fmt::format("depth: the zstd frame states {} bytes, the limit for this image is {}",
+                    content_bytes, max_bytes)};
   }
   if (content_bytes == 0 || content_bytes % sizeof(std::uint32_t) != 0) {
-    return corrupt_depth("RVL of " + std::to_string(content_bytes) +
-                         " bytes is not a number of 32-bit words");
+    return corrupt_depth(
+        fmt::format("RVL of {} bytes is not a number of 32-bit words", content_bytes));
   }
   if (ZSTD_findFrameCompressedSize(bytes.data(), bytes.size()) != bytes.size())
     return corrupt_depth("not exactly one whole zstd frame");
@@ -162,9 +164,8 @@ Status decode_rvl(std::span<const std::uint32_t> words, std::span<std::uint16_t>
       return corrupt_depth("RVL has an empty run at pixel " + std::to_string(at));
     const std::size_t left = pixels.size() - at;
     if (zeros > left || nonzeros > left - zeros) {
-      return corrupt_depth("RVL has a run of " + std::to_string(zeros) + " + " +
-                           std::to_string(nonzeros) + " pixels where " + std::to_string(left) +
-                           " are left");
+      return corrupt_depth(
+          fmt::format("RVL has a run of {} + {} pixels where {} are left", zeros, nonzeros, left));
     }
     at += zeros;
     for (const std::size_t end = at + nonzeros; at < end; ++at) {
@@ -172,8 +173,7 @@ Status decode_rvl(std::span<const std::uint32_t> words, std::span<std::uint16_t>
       if (!reader.get(number)) return corrupt_depth("RVL ends at pixel " + std::to_string(at));
       const std::int32_t value = previous + unzigzag(number);  // no overflow: 16 bits plus 30 bits
       if (value < 1 || value > 65535)
-        return corrupt_depth("RVL value " + std::to_string(value) + " at pixel " +
-                             std::to_string(at));
+        return corrupt_depth(fmt::format("RVL value {} at pixel {}", value, at));
       pixels[at] = static_cast<std::uint16_t>(value);
       previous = value;
     }

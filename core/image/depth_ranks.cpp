@@ -1,5 +1,7 @@
 #include "core/image/depth_ranks.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -300,8 +302,8 @@ Status decode_bands(PixelDecoder& decoder, std::array<Band, kRansLanes>& bands) 
       if (lower != nullptr) valid &= decoder.decode(1, lower + x, bands[1].stride());
     }
     if (!valid)
-      return corrupt_depth("a rank that the dictionary has not, in row " + std::to_string(y) +
-                           " of a band");
+      return corrupt_depth(
+          fmt::format("a rank that the dictionary has not, in row {} of a band", y));
   }
   if (!decoder.at_end()) return corrupt_depth("the words do not end with the last pixel");
   return Done{};
@@ -358,9 +360,9 @@ Result<DepthImage> decode_depth_ranks(std::span<const std::uint8_t> bytes, Image
   const std::size_t max_bytes = max_depth_ranks_bytes(static_cast<std::size_t>(expected.width) *
                                                       static_cast<std::size_t>(expected.height));
   if (bytes.size() > max_bytes) {
-    return Error{ErrorCode::kTooLarge, "depth: " + std::to_string(bytes.size()) +
-                                           " bytes, the limit for this image is " +
-                                           std::to_string(max_bytes)};
+    return Error{
+        ErrorCode::kTooLarge,
+        fmt::format("depth: {} bytes, the limit for this image is {}", bytes.size(), max_bytes)};
   }
   BitReader header(bytes);
   const std::uint32_t checksum = header.get(8 * kChecksumBytes);

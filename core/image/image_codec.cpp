@@ -1,5 +1,6 @@
 #include "core/image/image_codec.h"
 
+#include <fmt/core.h>
 #include <spng.h>
 #include <turbojpeg.h>
 
@@ -30,9 +31,7 @@ constexpr std::size_t kMaxPngChunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxPngChunkCache_bytes = std::size_t{2} << 20;
 constexpr int kPngLevel = 1;
 
-std::string text_of(ImageSize size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
+std::string text_of(ImageSize size) { return fmt::format("{}x{}", size.width, size.height); }
 
 std::size_t pixel_count(ImageSize size) {
   return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
@@ -41,8 +40,8 @@ std::size_t pixel_count(ImageSize size) {
 Error corrupt(const std::string& message) { return {ErrorCode::kCorruptData, message}; }
 
 Error other_size(const char* format, ImageSize found, ImageSize expected) {
-  return {ErrorCode::kTooLarge, std::string(format) + " of " + text_of(found) + " pixels where " +
-                                    text_of(expected) + " are expected"};
+  return {ErrorCode::kTooLarge, fmt::format("{} of {} pixels where {} are expected", format,
+                                            text_of(found), text_of(expected))};
 }
 
 template <std::size_t N>
@@ -78,9 +77,8 @@ Result<JpegHeader> read_jpeg_header(const Turbo& turbo, std::span<const std::uin
   }
   if (header.size.width < 1 || header.size.height < 1) return corrupt("JPEG: no image in it");
   if (!check_image_size(header.size).ok()) {
-    return Error{ErrorCode::kTooLarge, "JPEG of " + text_of(header.size) +
-                                           " pixels, the limit is " +
-                                           std::to_string(kMaxImageEdge_px) + " an edge"};
+    return Error{ErrorCode::kTooLarge, fmt::format("JPEG of {} pixels, the limit is {} an edge",
+                                                   text_of(header.size), kMaxImageEdge_px)};
   }
   return header;
 }
@@ -103,8 +101,8 @@ Result<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes, ImageSize ex
                  "JPEG with CMYK colours, only grey, YCbCr and RGB are read"};
   }
   if (const int scans = count_jpeg_scans(bytes); scans > kMaxJpegScans) {
-    return Error{ErrorCode::kTooLarge, "JPEG with " + std::to_string(scans) +
-                                           " scans, the limit is " + std::to_string(kMaxJpegScans)};
+    return Error{ErrorCode::kTooLarge,
+                 fmt::format("JPEG with {} scans, the limit is {}", scans, kMaxJpegScans)};
   }
   ColorImage image(expected.width, expected.height);
   if (tjDecompress2(turbo.get(), bytes.data(), bytes.size(), &image.pixels.data()->r, image.width,
@@ -126,10 +124,10 @@ Error png_error(int code) {
     case SPNG_EUSER_WIDTH:
     case SPNG_EUSER_HEIGHT:
       return {ErrorCode::kTooLarge,
-              message + ", the limit is " + std::to_string(kMaxImageEdge_px) + " pixels an edge"};
+              fmt::format("{}, the limit is {} pixels an edge", message, kMaxImageEdge_px)};
     case SPNG_ECHUNK_LIMITS:
-      return {ErrorCode::kTooLarge, message + ", the limit for metadata is " +
-                                        std::to_string(kMaxPngChunk_bytes) + " bytes"};
+      return {ErrorCode::kTooLarge,
+              fmt::format("{}, the limit for metadata is {} bytes", message, kMaxPngChunk_bytes)};
     default: return {ErrorCode::kCorruptData, message};
   }
 }
@@ -182,8 +180,9 @@ Result<ColorImage> decode_color_png(std::span<const std::uint8_t> bytes, ImageSi
   if (!header.ok()) return header.error();
   if (size_of(*header) != expected) return other_size("PNG", size_of(*header), expected);
   if (header->bit_depth != 8) {
-    return Error{ErrorCode::kUnsupported, "colour PNG with " + std::to_string(header->bit_depth) +
-                                              " bits a channel, only 8 are read"};
+    return Error{
+        ErrorCode::kUnsupported,
+        fmt::format("colour PNG with {} bits a channel, only 8 are read", header->bit_depth)};
   }
   return decode_png_pixels<Rgb8>(*png, expected, SPNG_FMT_RGB8);
 }
@@ -227,9 +226,9 @@ Result<std::vector<std::uint8_t>> encode_png_pixels(const Image<Pixel>& image,
 Status check_image_size(ImageSize size) {
   if (size.width < 1 || size.height < 1 || size.width > kMaxImageEdge_px ||
       size.height > kMaxImageEdge_px) {
-    return Error{ErrorCode::kInvalidArgument, "image size " + text_of(size) + " is not 1 to " +
-                                                  std::to_string(kMaxImageEdge_px) +
-                                                  " pixels an edge"};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("image size {} is not 1 to {} pixels an edge", text_of(size),
+                             kMaxImageEdge_px)};
   }
   return Done{};
 }
@@ -276,10 +275,10 @@ Result<DepthImage> decode_depth_png(std::span<const std::uint8_t> bytes, ImageSi
   if (!header.ok()) return header.error();
   if (size_of(*header) != expected) return other_size("depth PNG", size_of(*header), expected);
   if (header->color_type != SPNG_COLOR_TYPE_GRAYSCALE || header->bit_depth != 16) {
-    return Error{ErrorCode::kUnsupported, "depth PNG with colour type " +
-                                              std::to_string(header->color_type) + " and " +
-                                              std::to_string(header->bit_depth) +
-                                              " bits a channel, only 16-bit grey is read"};
+    return Error{
+        ErrorCode::kUnsupported,
+        fmt::format("depth PNG with colour type {} and {} bits a channel, only 16-bit grey is read",
+                    header->color_type, header->bit_depth)};
   }
   return decode_png_pixels<std::uint16_t>(*png, expected, SPNG_FMT_PNG);
 }
@@ -291,7 +290,7 @@ Result<std::vector<std::uint8_t>> encode_jpeg(const ColorImage& image, int quali
   CHECK(image.pixels.size() == pixel_count(size), "image has other pixels than its size");
   if (quality < 1 || quality > 100)
     return Error{ErrorCode::kInvalidArgument,
-                 "JPEG quality " + std::to_string(quality) + " is not 1 to 100"};
+                 fmt::format("JPEG quality {} is not 1 to 100", quality)};
   const Turbo turbo = checked(tjInitCompress());
   const int subsampling = color == JpegColor::kHalf ? TJSAMP_420 : TJSAMP_444;
   unsigned long size_bytes = tjBufSize(image.width, image.height, subsampling);

@@ -1,5 +1,6 @@
 #include "core/image/inflate.h"
 
+#include <fmt/core.h>
 #include <zlib.h>
 
 #include <string>
@@ -16,11 +17,11 @@ Result<std::vector<std::uint8_t>> inflate_exactly(std::span<const std::uint8_t> 
   if (status == Z_BUF_ERROR && inflated_bytes == byte_count)
     return Error{ErrorCode::kCorruptData, "zlib: more bytes than that" + expected};
   if (status != Z_OK)
-    return Error{ErrorCode::kCorruptData, "zlib: damaged or cut after " +
-                                              std::to_string(inflated_bytes) + " bytes" + expected};
+    return Error{ErrorCode::kCorruptData,
+                 fmt::format("zlib: damaged or cut after {} bytes{}", inflated_bytes, expected)};
   if (inflated_bytes != byte_count)
     return Error{ErrorCode::kCorruptData,
-                 "zlib: " + std::to_string(inflated_bytes) + " bytes" + expected};
+                 fmt::format("zlib: {} bytes{}", inflated_bytes, expected)};
   return inflated;
 }
 

@@ -1,5 +1,7 @@
 #include "core/image/nibble_depth.h"
 
+#include <fmt/core.h>
+
 #include <string>
 #include <vector>
 
@@ -31,12 +33,9 @@ class Decoder {
              : code >= kFirstRun ? put_run(2 * (code & 0x0f))
                                  : put_pair(code >> 4, code & 0x0f);
     }
-    if (!good)
-      return damaged(reason_ + " at byte " + std::to_string(at_) + " of " +
-                     std::to_string(bytes_.size()));
+    if (!good) return damaged(fmt::format("{} at byte {} of {}", reason_, at_, bytes_.size()));
     if (filled_ < image_.pixels.size())
-      return damaged("it has " + std::to_string(filled_) + " pixels of " +
-                     std::to_string(image_.pixels.size()));
+      return damaged(fmt::format("it has {} pixels of {}", filled_, image_.pixels.size()));
     return std::move(image_);
   }
 
@@ -101,7 +100,7 @@ Result<DepthImage> decode_depth_nibbles_with_table(std::span<const std::uint8_t>
       bytes.size() < 2 ? 0 : static_cast<std::size_t>(bytes[0] | bytes[1] << 8);
   if (count == 0) return damaged("its table of values is empty");
   if (bytes.size() < 2 + 2 * count)
-    return damaged("its table of " + std::to_string(count) + " values is cut");
+    return damaged(fmt::format("its table of {} values is cut", count));
   std::vector<std::uint16_t> table(count);
   for (std::size_t i = 0; i < count; ++i)
     table[i] = static_cast<std::uint16_t>(bytes[2 + 2 * i] | bytes[3 + 2 * i] << 8);

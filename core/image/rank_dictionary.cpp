@@ -1,5 +1,7 @@
 #include "core/image/rank_dictionary.h"
 
+#include <fmt/core.h>
+
 #include <bit>
 #include <string>
 
@@ -60,8 +62,8 @@ Result<RankDictionary> read_rank_dictionary(BitReader& header) {
   while (dictionary.size() < size) {
     const std::uint32_t step = header.get_gamma();
     if (step == 0 || dictionary.back() + step > kMaxRank) {
-      return corrupt_depth("value " + std::to_string(dictionary.size()) + " of " +
-                           std::to_string(size - 1) + " in the dictionary is no depth");
+      return corrupt_depth(
+          fmt::format("value {} of {} in the dictionary is no depth", dictionary.size(), size - 1));
     }
     dictionary.push_back(static_cast<std::uint16_t>(dictionary.back() + step));
   }

@@ -1,5 +1,6 @@
 #include "core/image/zstd_bytes.h"
 
+#include <fmt/core.h>
 #include <zstd.h>
 
 #include <memory>
@@ -28,8 +29,9 @@ Result<std::string> decompress_bytes(std::string_view frame, std::size_t max_byt
   if (content_bytes == ZSTD_CONTENTSIZE_ERROR || content_bytes == ZSTD_CONTENTSIZE_UNKNOWN)
     return corrupt("no frame that states its size");
   if (content_bytes > max_bytes)
-    return Error{ErrorCode::kTooLarge, "zstd: the frame states " + std::to_string(content_bytes) +
-                                           " bytes, allowed are " + std::to_string(max_bytes)};
+    return Error{
+        ErrorCode::kTooLarge,
+        fmt::format("zstd: the frame states {} bytes, allowed are {}", content_bytes, max_bytes)};
   if (ZSTD_findFrameCompressedSize(frame.data(), frame.size()) != frame.size())
     return corrupt("not exactly one whole frame");
   std::string bytes(static_cast<std::size_t>(content_bytes), '\0');
