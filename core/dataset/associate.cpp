@@ -1,5 +1,7 @@
 #include "core/dataset/associate.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -32,9 +34,9 @@ Result<std::vector<IndexPair>> associate_by_time(const std::vector<double>& firs
     for (; near != second_times_s.end() && *near <= time_s + reach_s; ++near) {
       if (candidates.size() == max_candidate_count)
         return Error{ErrorCode::kTooLarge,
-                     "more than " + std::to_string(kMaxCandidatesPerEntry) +
-                         " entries lie within " + std::to_string(max_gap_s) +
-                         " s of each other: these are no time stamps of frames"};
+                     fmt::format("more than {} entries lie within {:f} s of each other: these are "
+                                 "no time stamps of frames",
+                                 kMaxCandidatesPerEntry, max_gap_s)};
       candidates.push_back(
           {std::abs(*near - time_s), {i, static_cast<std::size_t>(near - second_times_s.begin())}});
     }

@@ -1,6 +1,7 @@
 #include "core/dataset/byte_file.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,7 +18,7 @@ Result<ByteFile> ByteFile::open(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0)
     return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
-                 "cannot read " + path + ": " + std::strerror(errno)};
+                 fmt::format("cannot read {}: {}", path, std::strerror(errno))};
   ByteFile file(path, descriptor, 0);
   struct stat status {};
   if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
@@ -38,8 +39,8 @@ ByteFile::ByteFile(ByteFile&& other) noexcept
 Status ByteFile::read_into(std::uint64_t offset, void* to, std::size_t count) const {
   if (offset > bytes_ || count > bytes_ - offset)
     return Error{ErrorCode::kCorruptData,
-                 "offset " + std::to_string(offset) + ": " + std::to_string(count) +
-                     " bytes are needed, the file has " + std::to_string(bytes_) + " in all"};
+                 fmt::format("offset {}: {} bytes are needed, the file has {} in all", offset,
+                             count, bytes_)};
   std::size_t done = 0;
   while (done < count) {
     const ssize_t got = pread(descriptor_, static_cast<char*>(to) + done, count - done,
@@ -47,7 +48,7 @@ Status ByteFile::read_into(std::uint64_t offset, void* to, std::size_t count) co
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0)
       return Error{ErrorCode::kIo,
-                   "cannot read " + path_ + " at offset " + std::to_string(offset + done)};
+                   fmt::format("cannot read {} at offset {}", path_, offset + done)};
     done += static_cast<std::size_t>(got);
   }
   return Done{};
@@ -65,14 +66,13 @@ Result<std::vector<std::uint8_t>> ByteFile::read(const FilePart& part) const {
 }
 
 Error FieldReader::error(const char* field, const std::string& message) const {
-  return {ErrorCode::kCorruptData,
-          "offset " + std::to_string(last_offset_) + ": " + field + " " + message};
+  return {ErrorCode::kCorruptData, fmt::format("offset {}: {} {}", last_offset_, field, message)};
 }
 
 Status FieldReader::take(const char* field, void* to, std::size_t count) {
   last_offset_ = offset_;
   if (count > remaining())
-    return error(field, "is cut: the file ends after " + std::to_string(file_.bytes()) + " bytes");
+    return error(field, fmt::format("is cut: the file ends after {} bytes", file_.bytes()));
   if (const Status status = file_.read_into(offset_, to, count); !status.ok()) return status;
   offset_ += count;
   return Done{};
@@ -81,12 +81,11 @@ Status FieldReader::take(const char* field, void* to, std::size_t count) {
 Result<FilePart> FieldReader::skip(const char* length_field, std::int64_t bytes,
                                    std::int64_t min_bytes, std::int64_t max_bytes) {
   if (bytes < min_bytes || bytes > max_bytes)
-    return error(length_field, "is " + std::to_string(bytes) + ", allowed is " +
-                                   std::to_string(min_bytes) + " to " + std::to_string(max_bytes));
+    return error(length_field,
+                 fmt::format("is {}, allowed is {} to {}", bytes, min_bytes, max_bytes));
   const auto length = static_cast<std::uint64_t>(bytes);
   if (length > remaining())
-    return error(length_field, "is " + std::to_string(bytes) + ", but only " +
-                                   std::to_string(remaining()) + " bytes follow");
+    return error(length_field, fmt::format("is {}, but only {} bytes follow", bytes, remaining()));
   const FilePart part{offset_, length};
   offset_ += length;
   return part;

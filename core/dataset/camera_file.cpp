@@ -1,5 +1,7 @@
 #include "core/dataset/camera_file.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -42,7 +44,7 @@ const KnownCamera kKnownCameras[] = {
 };
 
 Error key_error(const std::string& key, const std::string& message) {
-  return {ErrorCode::kCorruptData, "\"" + key + "\" " + message};
+  return {ErrorCode::kCorruptData, fmt::format("\"{}\" {}", key, message)};
 }
 
 Result<double> number_of(const nlohmann::json& object, const std::string& key) {
@@ -58,9 +60,8 @@ Result<int> side_of(const nlohmann::json& object, const std::string& key) {
   const Result<double> value = number_of(object, key);
   if (!value.ok()) return value.error();
   if (*value != std::floor(*value) || *value < kMinImageSide_px || *value > kMaxImageSide_px)
-    return key_error(key, "must be a whole number of pixels from " +
-                              std::to_string(kMinImageSide_px) + " to " +
-                              std::to_string(kMaxImageSide_px));
+    return key_error(key, fmt::format("must be a whole number of pixels from {} to {}",
+                                      kMinImageSide_px, kMaxImageSide_px));
   return static_cast<int>(*value);
 }
 
@@ -94,7 +95,7 @@ Status read_some_numbers(const nlohmann::json& object, const std::string& key,
   for (const NamedNumber& one : numbers)
     if (inner.contains(one.key))
       if (const Status status = read_numbers(inner, {one}); !status.ok())
-        return in_context("\"" + key + "\"", status.error());
+        return in_context(fmt::format("\"{}\"", key), status.error());
   return Done{};
 }
 
@@ -291,9 +292,10 @@ Result<Camera> read_camera(const std::string& path_or_name) {
   const Result<CameraFile> file = read_camera_json(path_or_name);
   if (file.ok()) return file->camera;
   if (file.error().code == ErrorCode::kNotFound)
-    return Error{ErrorCode::kNotFound,
-                 "camera \"" + path_or_name +
-                     "\" is neither a file nor one of fr1, fr2, fr3, icl-nuim, redwood"};
+    return Error{
+        ErrorCode::kNotFound,
+        fmt::format("camera \"{}\" is neither a file nor one of fr1, fr2, fr3, icl-nuim, redwood",
+                    path_or_name)};
   return file.error();
 }
 

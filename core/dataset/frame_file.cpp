@@ -1,5 +1,7 @@
 #include "core/dataset/frame_file.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
@@ -34,8 +36,8 @@ class FrameFileSequence : public Sequence {
   Result<RecordedFrame> read(std::int64_t index) const override {
     const FrameParts& parts = frame(index);
     const auto where = [&](const char* image, const FilePart& part) {
-      return contents_.file.path() + ", frame " + std::to_string(index) + ", " + image +
-             " at offset " + std::to_string(part.offset);
+      return fmt::format("{}, frame {}, {} at offset {}", contents_.file.path(), index, image,
+                         part.offset);
     };
     auto depth = decoded(parts.depth, contents_.decoders.depth);
     if (!depth.ok()) return in_context(where("depth", parts.depth), depth.error());
@@ -139,8 +141,9 @@ std::vector<double> seconds_of_stamps(const std::vector<std::int64_t>& stamps, d
                                       std::vector<std::string>& doubts) {
   std::vector<double> times_s(stamps.size());
   if (!ascends(stamps)) {
-    doubts.push_back("the time stamps do not ascend: frames are taken to be 1/" +
-                     std::to_string(static_cast<int>(frame_rate_hz)) + " s apart");
+    doubts.push_back(
+        fmt::format("the time stamps do not ascend: frames are taken to be 1/{} s apart",
+                    static_cast<int>(frame_rate_hz)));
     for (std::size_t i = 0; i < stamps.size(); ++i)
       times_s[i] = static_cast<double>(i) / frame_rate_hz;
     return times_s;
@@ -155,9 +158,9 @@ std::vector<double> seconds_of_stamps(const std::vector<std::int64_t>& stamps, d
         step == 0 || (step / 1e6 >= kShortestStep_s && step / 1e6 <= kLongestStep_s);
     if (as_usual || step / units < kShortestStep_s || step / units > kLongestStep_s) continue;
     units_per_second = units;
-    doubts.push_back(std::string("the time stamps are taken for ") + unit_name +
-                     ", not microseconds: the median step would be " + std::to_string(step / 1e6) +
-                     " s");
+    doubts.push_back(fmt::format(
+        "the time stamps are taken for {}, not microseconds: the median step would be {:f} s",
+        unit_name, step / 1e6));
   }
   for (std::size_t i = 0; i < stamps.size(); ++i)
     times_s[i] = static_cast<double>(stamps[i]) / units_per_second;

@@ -1,5 +1,7 @@
 #include "core/dataset/frame_range.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <charconv>
 #include <optional>
@@ -19,9 +21,9 @@ std::optional<std::int64_t> parse_bound(std::string_view text, std::int64_t miss
 }
 
 Error range_error(const std::string& text, std::int64_t frame_count, const std::string& message) {
-  return {ErrorCode::kInvalidArgument, "frames \"" + text + "\": " + message +
-                                           " (the sequence has " + std::to_string(frame_count) +
-                                           " frames, 0 is the first)"};
+  return {ErrorCode::kInvalidArgument,
+          fmt::format("frames \"{}\": {} (the sequence has {} frames, 0 is the first)", text,
+                      message, frame_count)};
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 // ICL-NUIM's camera has fy = -480: its frame is x right, y up, z forward, which no rotation turns
 // into ours. We read the images with fy = +480, which reflects the camera frame by S = diag(1, -1,
 // 1), and reflect the world along with it so that poses stay rigid: T' = S T S.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -57,7 +59,7 @@ Status add_association(const std::string& path, const TextLine& line, ImageLists
   if (depth_count != 1)
     return line_error(path, line, "expected one file in depth/ and one in another folder");
   if (lists.depths.size() > kMaxFrames)
-    return line_error(path, line, "more than " + std::to_string(kMaxFrames) + " images");
+    return line_error(path, line, fmt::format("more than {} images", kMaxFrames));
   return Done{};
 }
 
@@ -86,8 +88,8 @@ Result<Trajectory> read_truth(const std::string& path) {
   if (!trajectory.ok()) return trajectory.error();
   for (TimedPose& pose : *trajectory) {
     if (pose.timestamp_s != std::floor(pose.timestamp_s) || pose.timestamp_s < 0)
-      return Error{ErrorCode::kCorruptData, path + ": the frame number " +
-                                                std::to_string(pose.timestamp_s) + " is not whole"};
+      return Error{ErrorCode::kCorruptData,
+                   fmt::format("{}: the frame number {:f} is not whole", path, pose.timestamp_s)};
     pose = {pose.timestamp_s / kFrameRate_hz, reflect_y(pose.world_from_camera)};
   }
   return trajectory;

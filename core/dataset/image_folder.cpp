@@ -1,5 +1,7 @@
 // Folders of images in no particular format: numbered_images.h, or an associations.txt, and a
 // camera.json.
+#include <fmt/core.h>
+
 #include "core/dataset/camera_file.h"
 #include "core/dataset/numbered_images.h"
 #include "core/dataset/recorded_folder.h"
@@ -13,7 +15,8 @@ std::optional<std::string> probe_image_folder(const std::string& folder) {
     return "camera.json and associations.txt (a folder of images)";
   const auto images = find_numbered_images(folder, kDefaultFrameRate_hz);
   if (!images.ok() || !images->has_value()) return std::nullopt;
-  return "camera.json and numbered images in " + (*images)->where + " (a folder of images)";
+  return fmt::format("camera.json and numbered images in {} (a folder of images)",
+                     (*images)->where);
 }
 
 Result<FolderContents> list_image_folder(const std::string& folder) {
@@ -37,8 +40,9 @@ Result<FolderContents> list_image_folder(const std::string& folder) {
       return Error{ErrorCode::kCorruptData, folder + ": there are no numbered images"};
     contents.frames = std::move((*images)->frames);
     if (!(*images)->has_times)
-      contents.doubts.push_back("the images say no times: number N is taken to be N/" +
-                                std::to_string(static_cast<int>(camera->frame_rate_hz)) + " s");
+      contents.doubts.push_back(
+          fmt::format("the images say no times: number N is taken to be N/{} s",
+                      static_cast<int>(camera->frame_rate_hz)));
   }
   if (const std::string truth_path = folder + "/groundtruth.txt"; is_file(truth_path)) {
     Result<Trajectory> truth = read_tum_trajectory(truth_path);

@@ -6,6 +6,8 @@
 // neither the camera nor the image size: they come from FILE.camera.json or a camera.json beside
 // the file, otherwise from the images and ElasticFusion's default. A trajectory in
 // FILE.groundtruth.txt (TUM format) is the ground truth.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 
@@ -35,9 +37,9 @@ Result<std::int32_t> read_frame_count(FieldReader& fields, std::uint64_t file_by
   if (*count == 0)
     return fields.error("num_frames", "is 0: the logger was stopped before it wrote the number");
   if (*count < 0 || *count > kMaxFileFrames || *count > room)
-    return fields.error("num_frames", "is " + std::to_string(*count) + ", the file has room for " +
-                                          std::to_string(room) + ", allowed are 1 to " +
-                                          std::to_string(kMaxFileFrames));
+    return fields.error("num_frames",
+                        fmt::format("is {}, the file has room for {}, allowed are 1 to {}", *count,
+                                    room, kMaxFileFrames));
   return count;
 }
 
@@ -60,9 +62,7 @@ Result<std::vector<KlgFrame>> read_index(FieldReader& fields, std::uint64_t file
   frames.reserve(static_cast<std::size_t>(*count));
   for (std::int32_t i = 0; i < *count; ++i) {
     const auto frame = read_frame(fields);
-    if (!frame.ok())
-      return in_context("frame " + std::to_string(i) + " of " + std::to_string(*count),
-                        frame.error());
+    if (!frame.ok()) return in_context(fmt::format("frame {} of {}", i, *count), frame.error());
     frames.push_back(*frame);
   }
   return frames;
@@ -127,9 +127,9 @@ Result<KlgCamera> camera_of(const ByteFile& file, const std::vector<KlgFrame>& f
   if (!size ||
       !(*size == image::ImageSize{kElasticFusionCamera.width, kElasticFusionCamera.height}))
     return Error{ErrorCode::kNotFound,
-                 "the file does not say which camera took it, and its images are not 640x480: give "
-                 "a camera, or put " +
-                     path + ".camera.json beside it"};
+                 fmt::format("the file does not say which camera took it, and its images are not "
+                             "640x480: give a camera, or put {}.camera.json beside it",
+                             path)};
   doubts.push_back(
       "the file does not say which camera took it: ElasticFusion's default is assumed (528 pixels, "
       "centre 320, 240)");
@@ -168,9 +168,8 @@ Result<Recording> open_klg(const std::string& path, const std::optional<Camera>&
   const image::ImageSize size{camera->camera.width, camera->camera.height};
   if (const auto found = size_of_images(*file, *index); found && *found != size)
     return Error{ErrorCode::kCorruptData,
-                 path + ": its images have " + std::to_string(found->width) + "x" +
-                     std::to_string(found->height) + " pixels, the camera " +
-                     std::to_string(size.width) + "x" + std::to_string(size.height)};
+                 fmt::format("{}: its images have {}x{} pixels, the camera {}x{}", path,
+                             found->width, found->height, size.width, size.height)};
   recording.camera_source = camera->source;
 
   std::vector<std::int64_t> stamps;

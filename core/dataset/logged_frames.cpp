@@ -1,5 +1,7 @@
 // Our own frame logs (core/log/frame_log.md): those of the server, and those of `hermite-client
 // scan --record`. A log that was cut off by a crash is read up to there.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -103,7 +105,7 @@ Status add_frame(const frame_log::LogRecord& record, const frame_log::LogEnd& en
     return Done{};
   }
   if (static_cast<std::int64_t>(index.frames.size()) >= kMaxFileFrames)
-    return Error{ErrorCode::kTooLarge, "more than " + std::to_string(kMaxFileFrames) + " frames"};
+    return Error{ErrorCode::kTooLarge, fmt::format("more than {} frames", kMaxFileFrames)};
   index.frames.push_back({frame->timestamp_s,
                           end.segment,
                           {end.offset - record.payload.size(), record.payload.size()}});
@@ -127,12 +129,12 @@ Result<LogIndex> read_index(const std::string& folder) {
       status = add_frame(**record, reader.end(), index);
     if ((*record)->type == frame_log::RecordType::kFinish) index.finished = true;
     if (!status.ok())
-      return in_context(folder + ", record " + std::to_string((*record)->number), status.error());
+      return in_context(fmt::format("{}, record {}", folder, (*record)->number), status.error());
   }
   index.cut = reader.end().message;
   if (index.frames.empty())
-    return Error{ErrorCode::kCorruptData,
-                 folder + ": the log has no frame" + (index.cut.empty() ? "" : ": " + index.cut)};
+    return Error{ErrorCode::kCorruptData, fmt::format("{}: the log has no frame{}", folder,
+                                                      index.cut.empty() ? "" : ": " + index.cut)};
   return index;
 }
 
@@ -164,9 +166,8 @@ Result<Recording> open_frame_log(const std::string& path, const std::optional<Ca
   const Camera& own = index->start.camera;
   if (given && (given->width != own.width || given->height != own.height))
     return Error{ErrorCode::kInvalidArgument,
-                 path + ": its images have " + std::to_string(own.width) + "x" +
-                     std::to_string(own.height) + " pixels, the camera " +
-                     std::to_string(given->width) + "x" + std::to_string(given->height)};
+                 fmt::format("{}: its images have {}x{} pixels, the camera {}x{}", path, own.width,
+                             own.height, given->width, given->height)};
   Recording recording;
   recording.camera_source = given ? "given" : "the log";
   if (!index->cut.empty())

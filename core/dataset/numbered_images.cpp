@@ -1,5 +1,7 @@
 #include "core/dataset/numbered_images.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -111,10 +113,11 @@ Result<std::vector<std::string>> folder_names(const std::string& folder) {
     if (entries->is_directory(ignored)) names.push_back(entries->path().filename().string());
     if (names.size() > kMaxFolders)
       return Error{ErrorCode::kTooLarge,
-                   folder + " has more than " + std::to_string(kMaxFolders) + " folders"};
+                   fmt::format("{} has more than {} folders", folder, kMaxFolders)};
   }
   if (failure)
-    return Error{ErrorCode::kIo, "cannot list the folder " + folder + ": " + failure.message()};
+    return Error{ErrorCode::kIo,
+                 fmt::format("cannot list the folder {}: {}", folder, failure.message())};
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -147,7 +150,7 @@ Result<NumberedImages> from_two_folders(const std::string& folder, const ImageFo
     for (const std::string& name : *names) add_image(within, name, kind, *images);
   }
   Result<NumberedImages> found = pair_images(colors, depths, frame_rate_hz);
-  if (found.ok()) found->where = folders.color + " and " + folders.depth;
+  if (found.ok()) found->where = fmt::format("{} and {}", folders.color, folders.depth);
   return found;
 }
 

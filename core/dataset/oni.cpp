@@ -2,6 +2,8 @@
 // lens parameters: the camera is a pinhole whose principal point is the middle of the image, unless
 // a camera is given or is in FILE.camera.json or camera.json beside it. Mirrored images, which
 // OpenNI records by default, are mirrored back.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -48,9 +50,9 @@ Result<Image<Pixel>> raw_image(const std::vector<std::uint8_t>& bytes, image::Im
   Image<Pixel> image(size.width, size.height);
   const std::size_t expected = image.pixels.size() * sizeof(Pixel);
   if (bytes.size() != expected)
-    return Error{ErrorCode::kCorruptData, "the image has " + std::to_string(bytes.size()) +
-                                              " bytes, not the " + std::to_string(expected) +
-                                              " of its pixels"};
+    return Error{
+        ErrorCode::kCorruptData,
+        fmt::format("the image has {} bytes, not the {} of its pixels", bytes.size(), expected)};
   std::memcpy(image.pixels.data(), bytes.data(), expected);
   return image;
 }
@@ -81,9 +83,7 @@ Result<std::vector<std::uint8_t>> decode_color_part(std::vector<std::uint8_t> by
 
 Error unsupported(const std::string& message) { return {ErrorCode::kUnsupported, message}; }
 
-std::string text_of(image::ImageSize size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
+std::string text_of(image::ImageSize size) { return fmt::format("{}x{}", size.width, size.height); }
 
 Status check_stream(const OniStream& stream, const char* name, int max_side_px) {
   if (stream.is_cropped)
@@ -92,10 +92,9 @@ Status check_stream(const OniStream& stream, const char* name, int max_side_px) 
     return side >= kMinImageSide_px && side <= max_side_px;
   };
   if (inside(stream.size.width) && inside(stream.size.height)) return Done{};
-  return Error{ErrorCode::kCorruptData, std::string(name) + ": xnMapOutputMode says " +
-                                            text_of(stream.size) + " pixels, allowed is " +
-                                            std::to_string(kMinImageSide_px) + " to " +
-                                            std::to_string(max_side_px)};
+  return Error{ErrorCode::kCorruptData,
+               fmt::format("{}: xnMapOutputMode says {} pixels, allowed is {} to {}", name,
+                           text_of(stream.size), kMinImageSide_px, max_side_px)};
 }
 
 Result<Stream> depth_stream(const OniStream& found) {
@@ -103,13 +102,14 @@ Result<Stream> depth_stream(const OniStream& found) {
     return status.error();
   const std::int64_t format = found.oni_pixel_format;
   if (format != 0 && format != kDepth1Mm && format != kDepth100Um)
-    return unsupported("depth: oniPixelFormat is " + std::to_string(format) +
-                       ", only 100 (1 mm) and 101 (0.1 mm) are read");
+    return unsupported(fmt::format(
+        "depth: oniPixelFormat is {}, only 100 (1 mm) and 101 (0.1 mm) are read", format));
   const std::pair<const char*, Coding> known[] = {
       {"NONE", Coding::kRaw}, {"16zP", Coding::kNibbles}, {"16zT", Coding::kNibblesWithTable}};
   for (const auto& [codec, coding] : known)
     if (found.codec == codec) return Stream{coding, found.size, found.is_mirrored};
-  return unsupported("depth: the codec is \"" + found.codec + "\", known are NONE, 16zP and 16zT");
+  return unsupported(
+      fmt::format("depth: the codec is \"{}\", known are NONE, 16zP and 16zT", found.codec));
 }
 
 Result<Stream> color_stream(const OniStream& found, image::ImageSize depth_size) {
@@ -117,8 +117,9 @@ Result<Stream> color_stream(const OniStream& found, image::ImageSize depth_size)
     return status.error();
   if (found.size.width * depth_size.height != found.size.height * depth_size.width)
     return unsupported(
-        "colour has " + text_of(found.size) + " pixels, depth " + text_of(depth_size) +
-        ": these are not of one shape, the file does not say which part of one the other shows");
+        fmt::format("colour has {} pixels, depth {}: these are not of one shape, the file does not "
+                    "say which part of one the other shows",
+                    text_of(found.size), text_of(depth_size)));
   const bool says_format = found.oni_pixel_format != 0 || found.pixel_format != 0;
   const bool is_jpeg = found.codec == "JPEG" ||
                        (found.codec == "NONE" &&
@@ -128,10 +129,9 @@ Result<Stream> color_stream(const OniStream& found, image::ImageSize depth_size)
                       (found.oni_pixel_format == 0 && found.pixel_format == kXnRgb24);
   if (found.codec == "NONE" && (is_rgb || !says_format))
     return Stream{Coding::kRaw, found.size, found.is_mirrored};
-  return unsupported(
-      "colour: codec \"" + found.codec + "\" with pixel format " +
-      std::to_string(found.oni_pixel_format != 0 ? found.oni_pixel_format : found.pixel_format) +
-      " is not read, but JPEG and plain RGB are");
+  return unsupported(fmt::format(
+      "colour: codec \"{}\" with pixel format {} is not read, but JPEG and plain RGB are",
+      found.codec, found.oni_pixel_format != 0 ? found.oni_pixel_format : found.pixel_format));
 }
 
 std::string degrees(double rad) {
@@ -143,9 +143,9 @@ Result<Camera> camera_of(const OniStream& depth, const std::optional<Camera>& gi
   const auto choose = [&](const Camera& camera, const std::string& source) -> Result<Camera> {
     recording.camera_source = source;
     if (image::ImageSize{camera.width, camera.height} == depth.size) return camera;
-    return Error{ErrorCode::kInvalidArgument, "its images have " + text_of(depth.size) +
-                                                  " pixels, the camera " +
-                                                  text_of({camera.width, camera.height})};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("its images have {} pixels, the camera {}", text_of(depth.size),
+                             text_of({camera.width, camera.height}))};
   };
   if (given) return choose(*given, "given");
   const auto beside = camera_beside(path);
@@ -154,8 +154,9 @@ Result<Camera> camera_of(const OniStream& depth, const std::optional<Camera>& gi
   const bool says_view = depth.view_rad[0] != 0 && depth.view_rad[1] != 0;
   if (!says_view && 3 * depth.size.width != 4 * depth.size.height)
     return Error{ErrorCode::kNotFound,
-                 "the file does not say how wide its camera sees (xnFOV): give a camera, or put " +
-                     path + ".camera.json beside it"};
+                 fmt::format("the file does not say how wide its camera sees (xnFOV): give a "
+                             "camera, or put {}.camera.json beside it",
+                             path)};
   const double across_rad = says_view ? depth.view_rad[0] : kPrimeSenseView_rad[0];
   const double down_rad = says_view ? depth.view_rad[1] : kPrimeSenseView_rad[1];
   const auto focal_px = [](int side_px, double view_rad) {
@@ -170,12 +171,14 @@ Result<Camera> camera_of(const OniStream& depth, const std::optional<Camera>& gi
                       depth.oni_pixel_format == kDepth100Um ? 10'000.0 : 1000.0};
   if (const Status status = validate(camera); !status.ok())
     return in_context("xnFOV", status.error());
-  const std::string view = degrees(across_rad) + " by " + degrees(down_rad) + " degrees";
+  const std::string view = fmt::format("{} by {} degrees", degrees(across_rad), degrees(down_rad));
   if (!says_view)
-    recording.doubts.push_back("the file does not say how wide its camera sees: " + view +
-                               " is assumed, as of a Kinect or Xtion");
-  return choose(camera, says_view ? "the file's field of view (" + view + "), centre in the middle"
-                                  : "a Kinect's or Xtion's field of view");
+    recording.doubts.push_back(fmt::format(
+        "the file does not say how wide its camera sees: {} is assumed, as of a Kinect or Xtion",
+        view));
+  return choose(camera,
+                says_view ? fmt::format("the file's field of view ({}), centre in the middle", view)
+                          : "a Kinect's or Xtion's field of view");
 }
 
 // Returns ascending times in seconds; images that are not later than the one before are removed
@@ -204,8 +207,10 @@ void align_starts(const OniStream& stream, std::vector<double>& times_s,
       static_cast<std::size_t>(stream.images.empty() ? 0 : stream.images.front().images_before);
   if (!both_from_zero || before < 2 || before > other_s.size()) return;
   const double start_s = other_s[before - 1];
-  doubts.push_back("one stream began " + std::to_string(start_s) +
-                   " s after the other by its place in the file; their stamps do not say it");
+  doubts.push_back(
+      fmt::format("one stream began {:f} s after the other by its place in the file; their stamps "
+                  "do not say it",
+                  start_s));
   for (double& time_s : times_s) time_s += start_s;
 }
 
@@ -228,8 +233,9 @@ Result<std::vector<FrameParts>> pair_images(OniFile& found, std::vector<std::str
       frames.push_back({depth_s[pair.first], found.depth->images[pair.first].part,
                         found.color->images[pair.second].part});
     if (const std::size_t lonely = depth_s.size() - frames.size(); lonely > 0)
-      doubts.push_back(std::to_string(lonely) + " of " + std::to_string(depth_s.size()) +
-                       " depth images have no colour within 20 ms and are left out");
+      doubts.push_back(
+          fmt::format("{} of {} depth images have no colour within 20 ms and are left out", lonely,
+                      depth_s.size()));
   }
   if (left_out > 0)
     doubts.push_back(std::to_string(left_out) +

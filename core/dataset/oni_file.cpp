@@ -1,5 +1,7 @@
 #include "core/dataset/oni_file.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cstring>
 #include <tuple>
@@ -47,8 +49,8 @@ struct RecordHeader {
 };
 
 std::string text_of(const Version& version) {
-  return std::to_string(version.major) + "." + std::to_string(version.minor) + "." +
-         std::to_string(version.maintenance) + "." + std::to_string(version.build);
+  return fmt::format("{}.{}.{}.{}", version.major, version.minor, version.maintenance,
+                     version.build);
 }
 
 class Walk {
@@ -62,8 +64,9 @@ class Walk {
       return fields_.error("file header", "does not begin with NI10");
     contents_.version = text_of(header->version);
     if (header->version.order() < kOldest.order() || header->version.major > 1)
-      return Error{ErrorCode::kUnsupported,
-                   "the file has version " + contents_.version + ", 1.0.0.4 to 1.x are read"};
+      return Error{
+          ErrorCode::kUnsupported,
+          fmt::format("the file has version {}, 1.0.0.4 to 1.x are read", contents_.version)};
     undo_bytes_ = header->version.order() < kFirstWithLongPositions.order() ? 4 : 8;
     return Done{};
   }
@@ -77,16 +80,16 @@ class Walk {
       return fields_.error("record header", "does not begin with NIR");
     const std::int64_t header_bytes = static_cast<std::int64_t>(sizeof(RecordHeader)) + undo_bytes_;
     if (header->fields_bytes < header_bytes || header->fields_bytes > kMaxFields_bytes)
-      return fields_.error("bytes of fields", "are " + std::to_string(header->fields_bytes) +
-                                                  ", allowed is " + std::to_string(header_bytes) +
-                                                  " to " + std::to_string(kMaxFields_bytes));
+      return fields_.error("bytes of fields",
+                           fmt::format("are {}, allowed is {} to {}", header->fields_bytes,
+                                       header_bytes, kMaxFields_bytes));
     const auto undo = fields_.skip("record header", undo_bytes_, undo_bytes_, undo_bytes_);
     if (!undo.ok()) return undo.error();
     const std::uint64_t fields_end = start + header->fields_bytes;
     if (Status status = read_fields(*header); !status.ok()) return status.error();
     if (fields_.offset() > fields_end)
-      return fields_.error("bytes of fields", "are " + std::to_string(header->fields_bytes) +
-                                                  ", too few for what they hold");
+      return fields_.error("bytes of fields",
+                           fmt::format("are {}, too few for what they hold", header->fields_bytes));
     if (auto rest = skip("bytes of fields", fields_end - fields_.offset()); !rest.ok())
       return rest.error();
     const auto payload = skip("bytes of payload", header->payload_bytes);
@@ -190,13 +193,12 @@ class Walk {
     if (!stream) return Done{};
     if (static_cast<std::int64_t>(stream->images.size()) >= kMaxFileFrames)
       return Error{ErrorCode::kTooLarge,
-                   "more than " + std::to_string(kMaxFileFrames) + " images of one stream"};
+                   fmt::format("more than {} images of one stream", kMaxFileFrames)};
     const bool is_depth = contents_.depth && stream == &*contents_.depth;
     const std::int64_t limit_bytes = is_depth ? kMaxDepthPart_bytes : kMaxColorPart_bytes;
     if (payload.bytes > static_cast<std::uint64_t>(limit_bytes))
-      return fields_.error("bytes of payload", "are " + std::to_string(payload.bytes) +
-                                                   ", an image may have " +
-                                                   std::to_string(limit_bytes));
+      return fields_.error("bytes of payload",
+                           fmt::format("are {}, an image may have {}", payload.bytes, limit_bytes));
     const std::optional<OniStream>& other = is_depth ? contents_.color : contents_.depth;
     stream->images.push_back(
         {stamp_us_, other ? static_cast<std::int64_t>(other->images.size()) : 0, payload});

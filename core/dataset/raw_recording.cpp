@@ -1,4 +1,6 @@
 // Our own raw frames, core/raw/raw_frames.h. They are not compressed; colour is passed on as PNG.
+#include <fmt/core.h>
+
 #include <array>
 #include <filesystem>
 #include <mutex>
@@ -67,16 +69,15 @@ Result<Recording> open_raw(const std::string& path, const std::optional<Camera>&
   const Camera own = reader->camera();
   if (given && (given->width != own.width || given->height != own.height))
     return Error{ErrorCode::kInvalidArgument,
-                 path + ": its images have " + std::to_string(own.width) + "x" +
-                     std::to_string(own.height) + " pixels, the camera " +
-                     std::to_string(given->width) + "x" + std::to_string(given->height)};
+                 fmt::format("{}: its images have {}x{} pixels, the camera {}x{}", path, own.width,
+                             own.height, given->width, given->height)};
   std::vector<double> times_s;
   for (std::int64_t i = 0; i < reader->frame_count(); ++i) {
     const Result<double> time_s = reader->timestamp_s(i);
     if (!time_s.ok()) return time_s.error();
     if (!times_s.empty() && *time_s <= times_s.back())
-      return Error{ErrorCode::kCorruptData, path + ": the time of frame " + std::to_string(i) +
-                                                " is not after the one before"};
+      return Error{ErrorCode::kCorruptData,
+                   fmt::format("{}: the time of frame {} is not after the one before", path, i)};
     times_s.push_back(*time_s);
   }
   Recording recording;

@@ -1,5 +1,7 @@
 #include "core/dataset/recorded_folder.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -13,11 +15,10 @@ namespace hermite::dataset {
 namespace {
 
 Error size_error(image::ImageSize found, const Camera& camera) {
-  const auto text = [](int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-  };
-  return {ErrorCode::kCorruptData, "the image has " + text(found.width, found.height) +
-                                       " pixels, the camera " + text(camera.width, camera.height)};
+  const auto text = [](int width, int height) { return fmt::format("{}x{}", width, height); };
+  return {ErrorCode::kCorruptData,
+          fmt::format("the image has {} pixels, the camera {}", text(found.width, found.height),
+                      text(camera.width, camera.height))};
 }
 
 Result<std::vector<std::uint8_t>> read_image_of(const std::string& path, const Camera& camera) {
@@ -57,7 +58,7 @@ class FolderSequence : public Sequence {
     if (!depth_bytes.ok()) return in_context("frame " + std::to_string(index), depth_bytes.error());
     auto depth = image::decode_depth_png(*depth_bytes, {camera().width, camera().height});
     if (!depth.ok())
-      return in_context("frame " + std::to_string(index) + ": " + depth_path, depth.error());
+      return in_context(fmt::format("frame {}: {}", index, depth_path), depth.error());
     auto color_bytes = read_image_of(folder_ + "/" + paths.color, camera());
     if (!color_bytes.ok()) return in_context("frame " + std::to_string(index), color_bytes.error());
     for (const std::uint16_t invalid : contents_.invalid_depth)
@@ -113,11 +114,12 @@ Result<std::vector<std::string>> file_names(const std::string& folder) {
   std::filesystem::directory_iterator entries(folder, failure);
   if (failure)
     return Error{ErrorCode::kNotFound,
-                 "cannot list the folder " + folder + ": " + failure.message()};
+                 fmt::format("cannot list the folder {}: {}", folder, failure.message())};
   std::vector<std::string> names;
   for (; entries != std::filesystem::directory_iterator(); entries.increment(failure)) {
     if (failure)
-      return Error{ErrorCode::kIo, "cannot list the folder " + folder + ": " + failure.message()};
+      return Error{ErrorCode::kIo,
+                   fmt::format("cannot list the folder {}: {}", folder, failure.message())};
     if (names.size() == 4 * kMaxFrames)
       return Error{ErrorCode::kTooLarge, folder + " has too many files"};
     if (!entries->is_directory(failure)) names.push_back(entries->path().filename().string());
@@ -145,8 +147,8 @@ Result<std::unique_ptr<Sequence>> make_folder_sequence(const std::string& folder
   CHECK(contents.camera.has_value(), "a folder's sequence needs its camera");
   if (contents.frames.empty())
     return Error{ErrorCode::kCorruptData,
-                 folder + " (" + contents.format +
-                     ") has no depth image with a colour image at most 20 ms away"};
+                 fmt::format("{} ({}) has no depth image with a colour image at most 20 ms away",
+                             folder, contents.format)};
   // With a wrong camera every frame would fail, so this is reported once, for the first readable
   // image.
   for (const FramePaths& frame : contents.frames) {
@@ -182,10 +184,10 @@ Result<Recording> open_folder(const std::string& folder, const std::optional<Cam
   if (camera) contents->camera = camera;
   if (!camera) recording.camera_source = contents->camera_source;
   if (!contents->camera)
-    return Error{ErrorCode::kNotFound, folder + " (" + contents->format +
-                                           ") does not say which camera took it: give one (a file "
-                                           "like camera.json, or fr1, fr2, fr3), or put a "
-                                           "camera.json into the folder"};
+    return Error{ErrorCode::kNotFound,
+                 fmt::format("{} ({}) does not say which camera took it: give one (a file like "
+                             "camera.json, or fr1, fr2, fr3), or put a camera.json into the folder",
+                             folder, contents->format)};
   if (!says_color_camera && color_camera) contents->camera->color = color_camera(*contents->camera);
   recording.doubts = std::move(contents->doubts);
   auto sequence = make_folder_sequence(folder, std::move(*contents), frame_rate_hz);

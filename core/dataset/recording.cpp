@@ -1,5 +1,7 @@
 #include "core/dataset/recording.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <filesystem>
 
@@ -71,8 +73,8 @@ std::vector<std::string> children_of(const std::vector<std::string>& folders, st
 Error not_recognised(const std::string& path) {
   std::string message = path + " is no recording we know, and none lies in it. Known are:";
   for (const RecordingFormat& format : kFormats)
-    message += std::string(&format == kFormats ? " " : "; ") + format.looks_like + " (" +
-               format.name + ")";
+    message +=
+        fmt::format("{} {} ({})", &format == kFormats ? "" : ";", format.looks_like, format.name);
   return {ErrorCode::kUnsupported, message};
 }
 
@@ -89,9 +91,9 @@ Result<Found> find_recording(const std::string& path) {
       if (auto one = probe(child)) found.push_back(*std::move(one));
     if (found.size() == 1) return found.front();
     if (found.size() > 1)
-      return Error{ErrorCode::kInvalidArgument, path + " holds " + std::to_string(found.size()) +
-                                                    " recordings, among them " + found[0].path +
-                                                    " and " + found[1].path + ": give one of them"};
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("{} holds {} recordings, among them {} and {}: give one of them",
+                               path, found.size(), found[0].path, found[1].path)};
     folders.clear();
     std::copy_if(children.begin(), children.end(), std::back_inserter(folders), is_folder);
   }
@@ -147,8 +149,8 @@ Result<Recording> open_archive(const std::string& path, const std::optional<Came
   if (!unpacked.ok()) return unpacked.error();
   Result<Recording> recording = open_in_place(inside, camera);
   if (!recording.ok()) return in_context(path, recording.error());
-  recording->format_reason += ", in an archive (" + unpacked->kind + ", " +
-                              std::to_string(unpacked->file_count) + " files)";
+  recording->format_reason +=
+      fmt::format(", in an archive ({}, {} files)", unpacked->kind, unpacked->file_count);
   recording->sequence = std::make_unique<UnpackedSequence>(
       std::move(*folder), name_of_archive(path), std::move(recording->sequence));
   return recording;

@@ -2,6 +2,8 @@
 // .log (or -traj.txt): three integers, then a 4x4 matrix world_from_camera, for each pose. The
 // first integer is the index of the frame, from 0. Depth is in millimetres, the camera a
 // PrimeSense.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 
@@ -37,8 +39,7 @@ Result<LoggedPose> parse_pose(const std::string& path, const TextLine* lines) {
     for (int column = 0; column < 4; ++column) {
       const auto value = parse_finite(fields[static_cast<std::size_t>(column)]);
       if (!value)
-        return line_error(path, line,
-                          "field " + std::to_string(column + 1) + " is not a finite number");
+        return line_error(path, line, fmt::format("field {} is not a finite number", column + 1));
       matrix(row, column) = *value;
     }
   }
@@ -51,8 +52,9 @@ Result<LoggedPose> parse_pose(const std::string& path, const TextLine* lines) {
 Result<std::vector<LoggedPose>> parse_log(const std::string& path, std::string_view text) {
   const std::vector<TextLine> lines = data_lines(text);
   if (lines.size() % kLinesPerPose != 0)
-    return Error{ErrorCode::kCorruptData, path + " has " + std::to_string(lines.size()) +
-                                              " lines, not 5 for each pose: cut short"};
+    return Error{
+        ErrorCode::kCorruptData,
+        fmt::format("{} has {} lines, not 5 for each pose: cut short", path, lines.size())};
   std::vector<LoggedPose> poses;
   for (std::size_t i = 0; i < lines.size(); i += kLinesPerPose) {
     const auto pose = parse_pose(path, &lines[i]);
@@ -97,8 +99,8 @@ std::optional<std::string> probe_redwood(const std::string& folder) {
   if (log.empty()) return std::nullopt;
   const auto images = find_numbered_images(folder, kDefaultFrameRate_hz);
   if (!images.ok() || !images->has_value()) return std::nullopt;
-  return "numbered images in " + (*images)->where + " and poses as 4x4 matrices in " + log +
-         " (Redwood)";
+  return fmt::format("numbered images in {} and poses as 4x4 matrices in {} (Redwood)",
+                     (*images)->where, log);
 }
 
 Result<FolderContents> list_redwood(const std::string& folder) {
@@ -123,9 +125,9 @@ Result<FolderContents> list_redwood(const std::string& folder) {
   if (!poses.ok()) return poses.error();
   for (const LoggedPose& pose : *poses) {
     if (pose.frame >= static_cast<std::int64_t>(contents.frames.size())) {
-      contents.doubts.push_back("the log has poses of frames from " + std::to_string(pose.frame) +
-                                " on, there are " + std::to_string(contents.frames.size()) +
-                                ": these are ignored");
+      contents.doubts.push_back(
+          fmt::format("the log has poses of frames from {} on, there are {}: these are ignored",
+                      pose.frame, contents.frames.size()));
       break;
     }
     contents.groundtruth.push_back(

@@ -11,6 +11,8 @@
 // Extrinsics transform each camera to a common coordinate frame. Colour is resized to the size of
 // depth; if both then have the same camera within half a pixel, depth counts as registered, as in
 // the published scans.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -59,7 +61,7 @@ Status read_name(FieldReader& fields) {
   std::uint32_t version = 0;
   if (const Status status = take(fields, "version", version); !status.ok()) return status;
   if (version != kVersion)
-    return fields.error("version", "is " + std::to_string(version) + ", only 4 is read");
+    return fields.error("version", fmt::format("is {}, only 4 is read", version));
   std::uint64_t name_bytes = 0;
   if (const Status status = take(fields, "sensor name length", name_bytes); !status.ok())
     return status;
@@ -75,15 +77,13 @@ Status check_sizes(FieldReader& fields, const Header& header) {
   };
   const auto& [color_width, color_height, depth_width, depth_height] = header.sizes;
   if (!inside(color_width, kMaxStoredColorSide_px) || !inside(color_height, kMaxStoredColorSide_px))
-    return fields.error("colour size", "is " + std::to_string(color_width) + "x" +
-                                           std::to_string(color_height) + ", allowed is " +
-                                           std::to_string(kMinImageSide_px) + " to " +
-                                           std::to_string(kMaxStoredColorSide_px));
+    return fields.error("colour size",
+                        fmt::format("is {}x{}, allowed is {} to {}", color_width, color_height,
+                                    kMinImageSide_px, kMaxStoredColorSide_px));
   if (!inside(depth_width, kMaxImageSide_px) || !inside(depth_height, kMaxImageSide_px))
-    return fields.error("depth size", "is " + std::to_string(depth_width) + "x" +
-                                          std::to_string(depth_height) + ", allowed is " +
-                                          std::to_string(kMinImageSide_px) + " to " +
-                                          std::to_string(kMaxImageSide_px));
+    return fields.error("depth size",
+                        fmt::format("is {}x{}, allowed is {} to {}", depth_width, depth_height,
+                                    kMinImageSide_px, kMaxImageSide_px));
   return Done{};
 }
 
@@ -95,13 +95,13 @@ Result<Header> read_header(FieldReader& fields) {
   if (const Status status = take(fields, "colour coding", header.color_coding); !status.ok())
     return status.error();
   if (header.color_coding < 0 || header.color_coding > static_cast<int>(ColorCoding::kJpeg))
-    return fields.error("colour coding", "is " + std::to_string(header.color_coding) +
-                                             ", known are 0 (raw), 1 (PNG), 2 (JPEG)");
+    return fields.error("colour coding", fmt::format("is {}, known are 0 (raw), 1 (PNG), 2 (JPEG)",
+                                                     header.color_coding));
   if (const Status status = take(fields, "depth coding", header.depth_coding); !status.ok())
     return status.error();
   if (header.depth_coding < 0 || header.depth_coding > static_cast<int>(DepthCoding::kZlib))
-    return fields.error("depth coding", "is " + std::to_string(header.depth_coding) +
-                                            ", known are 0 (raw) and 1 (zlib)");
+    return fields.error("depth coding",
+                        fmt::format("is {}, known are 0 (raw) and 1 (zlib)", header.depth_coding));
   if (const Status status = take(fields, "image sizes", header.sizes); !status.ok())
     return status.error();
   if (const Status status = check_sizes(fields, header); !status.ok()) return status.error();
@@ -113,9 +113,9 @@ Result<Header> read_header(FieldReader& fields) {
   const std::uint64_t room = fields.remaining() / kMinFrame_bytes;
   if (header.frame_count < 1 || header.frame_count > static_cast<std::uint64_t>(kMaxFileFrames) ||
       header.frame_count > room)
-    return fields.error("num_frames", "is " + std::to_string(header.frame_count) +
-                                          ", the file has room for " + std::to_string(room) +
-                                          ", allowed are 1 to " + std::to_string(kMaxFileFrames));
+    return fields.error("num_frames",
+                        fmt::format("is {}, the file has room for {}, allowed are 1 to {}",
+                                    header.frame_count, room, kMaxFileFrames));
   return header;
 }
 
@@ -134,8 +134,8 @@ Result<SensFrame> read_frame(FieldReader& fields, const Header& header) {
   if (!color.ok()) return color.error();
   const std::uint64_t raw_bytes = std::uint64_t{2} * header.sizes[2] * header.sizes[3];
   if (header.depth_coding == static_cast<int>(DepthCoding::kRaw) && depth_bytes != raw_bytes)
-    return fields.error("depth size", "is " + std::to_string(depth_bytes) + ", a raw image has " +
-                                          std::to_string(raw_bytes));
+    return fields.error("depth size",
+                        fmt::format("is {}, a raw image has {}", depth_bytes, raw_bytes));
   const auto depth =
       fields.skip("depth size", static_cast<std::int64_t>(depth_bytes), 1, kMaxDepthPart_bytes);
   if (!depth.ok()) return depth.error();
@@ -214,8 +214,7 @@ void add_poses(const std::vector<SensFrame>& frames, FrameFile& contents,
     missing += pose ? 0 : 1;
   }
   if (missing > 0)
-    doubts.push_back(std::to_string(missing) + " of " + std::to_string(frames.size()) +
-                     " frames have no valid pose");
+    doubts.push_back(fmt::format("{} of {} frames have no valid pose", missing, frames.size()));
 }
 
 Result<Recording> open_file(ByteFile file, const std::optional<Camera>& given) {
@@ -227,8 +226,7 @@ Result<Recording> open_file(ByteFile file, const std::optional<Camera>& given) {
   for (std::uint64_t i = 0; i < header->frame_count; ++i) {
     const auto frame = read_frame(fields, *header);
     if (!frame.ok())
-      return in_context("frame " + std::to_string(i) + " of " + std::to_string(header->frame_count),
-                        frame.error());
+      return in_context(fmt::format("frame {} of {}", i, header->frame_count), frame.error());
     frames.push_back(*frame);
   }
   Recording recording;
@@ -238,9 +236,8 @@ Result<Recording> open_file(ByteFile file, const std::optional<Camera>& given) {
   if (camera->width != static_cast<int>(depth_width) ||
       camera->height != static_cast<int>(depth_height))
     return Error{ErrorCode::kInvalidArgument,
-                 "the depth images have " + std::to_string(depth_width) + "x" +
-                     std::to_string(depth_height) + " pixels, the camera " +
-                     std::to_string(camera->width) + "x" + std::to_string(camera->height)};
+                 fmt::format("the depth images have {}x{} pixels, the camera {}x{}", depth_width,
+                             depth_height, camera->width, camera->height)};
   recording.camera_source = given ? "given" : "the file's header";
   std::vector<std::int64_t> stamps;
   for (const SensFrame& frame : frames) stamps.push_back(frame.stamp);

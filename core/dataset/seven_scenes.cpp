@@ -2,6 +2,8 @@
 // camera-intrinsics.txt (3x3). Frame N was taken at N/30 s. Depth is in millimetres; 65535 means
 // "no measurement" like 0. The benchmark's own recordings are raw images of a Kinect v1: colour is
 // not registered to depth.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -59,21 +61,21 @@ Result<Eigen::MatrixXd> read_matrix(const std::string& path, int size) {
   if (!text.ok()) return text.error();
   const std::vector<TextLine> lines = data_lines(*text);
   if (lines.size() != static_cast<std::size_t>(size))
-    return Error{ErrorCode::kCorruptData, path + " has " + std::to_string(lines.size()) +
-                                              " lines, expected " + std::to_string(size)};
+    return Error{ErrorCode::kCorruptData,
+                 fmt::format("{} has {} lines, expected {}", path, lines.size(), size)};
   Eigen::MatrixXd matrix(size, size);
   for (int row = 0; row < size; ++row) {
     const TextLine& line = lines[static_cast<std::size_t>(row)];
     const auto fields = split_fields(line.text);
     if (fields.size() != static_cast<std::size_t>(size))
-      return line_error(path, line, "expected " + std::to_string(size) + " numbers");
+      return line_error(path, line, fmt::format("expected {} numbers", size));
     for (int column = 0; column < size; ++column) {
       const std::string_view field = fields[static_cast<std::size_t>(column)];
       const bool is_lost = field == "nan" || field == "inf" || field == "-nan" || field == "-inf" ||
                            field == "-1.#IND";
       const auto value = is_lost ? std::optional<double>(std::nan("")) : parse_finite(field);
       if (!value)
-        return line_error(path, line, "field " + std::to_string(column + 1) + " is not a number");
+        return line_error(path, line, fmt::format("field {} is not a number", column + 1));
       matrix(row, column) = *value;
     }
   }

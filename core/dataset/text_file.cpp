@@ -1,5 +1,7 @@
 #include "core/dataset/text_file.h"
 
+#include <fmt/core.h>
+
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -18,10 +20,11 @@ Result<Bytes> read_file(const std::string& path, std::size_t max_bytes) {
   if (!std::filesystem::is_regular_file(status))
     return Error{ErrorCode::kIo, path + " is not a file"};
   const auto size = std::filesystem::file_size(path, failure);
-  if (failure) return Error{ErrorCode::kIo, "cannot read " + path + ": " + failure.message()};
+  if (failure)
+    return Error{ErrorCode::kIo, fmt::format("cannot read {}: {}", path, failure.message())};
   if (size > max_bytes)
-    return Error{ErrorCode::kTooLarge, path + " has " + std::to_string(size) +
-                                           " bytes, allowed are " + std::to_string(max_bytes)};
+    return Error{ErrorCode::kTooLarge,
+                 fmt::format("{} has {} bytes, allowed are {}", path, size, max_bytes)};
   std::ifstream file(path, std::ios::binary);
   Bytes bytes(static_cast<std::size_t>(size), {});
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
@@ -98,9 +101,9 @@ std::optional<std::int64_t> parse_index(std::string_view text) {
 Error line_error(const std::string& what, const TextLine& line, const std::string& message) {
   constexpr std::size_t kReadable = 120;
   const std::string shown(line.text.substr(0, kReadable));
-  return {ErrorCode::kCorruptData, what + ", line " + std::to_string(line.number) + ": " + message +
-                                       ": \"" + shown +
-                                       (line.text.size() > kReadable ? "..." : "") + "\""};
+  return {ErrorCode::kCorruptData,
+          fmt::format("{}, line {}: {}: \"{}{}\"", what, line.number, message, shown,
+                      line.text.size() > kReadable ? "..." : "")};
 }
 
 }  // namespace hermite::dataset

@@ -1,5 +1,7 @@
 #include "core/dataset/trajectory.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,8 +24,7 @@ Result<TimedPose> parse_pose_line(const TextLine& line) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto value = parse_finite(fields[i]);
     if (!value)
-      return line_error("trajectory", line,
-                        "field " + std::to_string(i + 1) + " is not a finite number");
+      return line_error("trajectory", line, fmt::format("field {} is not a finite number", i + 1));
     values[i] = *value;
   }
   const Eigen::Quaterniond rotation(values[7], values[4], values[5], values[6]);
@@ -57,11 +58,10 @@ Result<Trajectory> read_tum_trajectory(const std::string& path) {
 Status validate(const Trajectory& trajectory, const std::string& name) {
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     if (!std::isfinite(trajectory[i].timestamp_s) || !is_finite(trajectory[i].world_from_camera))
-      return Error{ErrorCode::kInvalidArgument,
-                   name + ": pose " + std::to_string(i) + " is not finite"};
+      return Error{ErrorCode::kInvalidArgument, fmt::format("{}: pose {} is not finite", name, i)};
     if (i > 0 && trajectory[i].timestamp_s < trajectory[i - 1].timestamp_s)
       return Error{ErrorCode::kInvalidArgument,
-                   name + ": time runs backwards at pose " + std::to_string(i)};
+                   fmt::format("{}: time runs backwards at pose {}", name, i)};
   }
   return Done{};
 }

@@ -1,5 +1,7 @@
 #include "core/dataset/trajectory_formats.h"
 
+#include <fmt/core.h>
+
 #include <cstdio>
 
 namespace hermite::dataset {
@@ -35,7 +37,7 @@ std::string format_log_trajectory(const Trajectory& trajectory,
   std::string text;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const std::string number = std::to_string(frames[i]);
-    text += number + " " + number + " " + std::to_string(frames[i] + 1) + "\n";
+    text += fmt::format("{} {} {}\n", number, number, frames[i] + 1);
     text += matrix_rows(trajectory[i].world_from_camera, 4, "\n");
   }
   return text;

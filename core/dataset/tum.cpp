@@ -1,5 +1,7 @@
 // TUM RGB-D benchmark: rgb.txt and depth.txt with "time file" lines, and groundtruth.txt if there
 // is one.
+#include <fmt/core.h>
+
 #include <filesystem>
 
 #include "core/dataset/camera_file.h"
@@ -25,7 +27,7 @@ Result<FileList> read_list(const std::string& path) {
     if (!time_s) return line_error(path, line, "the time is not a finite number of seconds");
     if (!stays_inside(fields[1])) return line_error(path, line, "the file name leaves the folder");
     if (list.files.size() == kMaxFrames)
-      return line_error(path, line, "more than " + std::to_string(kMaxFrames) + " images");
+      return line_error(path, line, fmt::format("more than {} images", kMaxFrames));
     list.files.push_back({*time_s, std::string(fields[1])});
   }
   return list;

@@ -1,5 +1,7 @@
 #include "core/dataset/write_klg.h"
 
+#include <fmt/core.h>
+
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -18,7 +20,7 @@ namespace {
 constexpr double kMillimetres = 1000;
 
 Error cannot_write(const std::string& path) {
-  return {ErrorCode::kIo, "writing " + path + ": " + std::strerror(errno)};
+  return {ErrorCode::kIo, fmt::format("writing {}: {}", path, std::strerror(errno))};
 }
 
 Status write_text(const std::string& path, const std::string& text) {
@@ -43,7 +45,7 @@ class KlgWriter {
     // Larger numbers of microseconds are not all exact as a double.
     if (!(std::abs(stamp_us) < 9e15))
       return Error{ErrorCode::kInvalidArgument,
-                   "the time " + std::to_string(frame.timestamp_s) + " s does not fit"};
+                   fmt::format("the time {:f} s does not fit", frame.timestamp_s)};
     rounded_time_ = rounded_time_ || stamp_us / 1e6 != frame.timestamp_s;
     to_millimetres(frame.depth);
     const auto format = image::detect_image_format(frame.color_bytes);

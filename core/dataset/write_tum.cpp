@@ -1,5 +1,7 @@
 #include "core/dataset/write_tum.h"
 
+#include <fmt/core.h>
+
 #include <charconv>
 
 #include "core/archive/fresh_folder.h"
@@ -48,9 +50,9 @@ Status write_frame(const archive::FreshFolder& folder, const RecordedFrame& fram
   if (const Status status = write_file(folder, {"rgb", color_name}, frame.color_bytes);
       !status.ok())
     return status;
-  lists.colors += time + " rgb/" + color_name + "\n";
-  lists.depths += time + " depth/" + depth_name + "\n";
-  lists.associations += time + " depth/" + depth_name + " " + time + " rgb/" + color_name + "\n";
+  lists.colors += fmt::format("{} rgb/{}\n", time, color_name);
+  lists.depths += fmt::format("{} depth/{}\n", time, depth_name);
+  lists.associations += fmt::format("{} depth/{} {} rgb/{}\n", time, depth_name, time, color_name);
   return Done{};
 }
 
