@@ -1,5 +1,7 @@
 #include "core/disturb/depth_noise.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -130,8 +132,9 @@ Result<NoiseOptions> parse_noise(const std::string& text) {
   else if (model == "kinect-white")
     options.model = NoiseModel::kKinectWhite;
   else if (model != "none")
-    return Error{ErrorCode::kInvalidArgument,
-                 "noise is \"" + model + "\", allowed is none, gaussian, kinect or kinect-white"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("noise is \"{}\", allowed is none, gaussian, kinect or kinect-white", model)};
   double sigma_mm = options.sigma_m * 1000;
   std::vector<KeyValueRule> rules = {seed_rule(options.seed)};
   if (options.model == NoiseModel::kGaussian)

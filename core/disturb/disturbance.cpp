@@ -1,5 +1,7 @@
 #include "core/disturb/disturbance.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <charconv>
 #include <string_view>
@@ -75,9 +77,8 @@ Status check_inside(const FrameSpan& span, std::int64_t frame_count) {
       span.count <= frame_count - span.from)
     return Done{};
   return Error{ErrorCode::kInvalidArgument,
-               "frames " + std::to_string(span.from) + ":" + std::to_string(span.count) +
-                   " (first and count) leave the sequence, which has " +
-                   std::to_string(frame_count)};
+               fmt::format("frames {}:{} (first and count) leave the sequence, which has {}",
+                           span.from, span.count, frame_count)};
 }
 
 }  // namespace
@@ -88,8 +89,9 @@ Result<FrameSpan> parse_frame_span(const std::string& text) {
   if (colon == std::string::npos ||
       !parse_whole(std::string_view(text).substr(0, colon), span.from) ||
       !parse_whole(std::string_view(text).substr(colon + 1), span.count) || span.count < 1)
-    return Error{ErrorCode::kInvalidArgument,
-                 "\"" + text + "\" is no FROM:COUNT: expected a frame from 0 and a count from 1"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("\"{}\" is no FROM:COUNT: expected a frame from 0 and a count from 1", text)};
   return span;
 }
 

@@ -1,5 +1,7 @@
 #include "core/disturb/key_values.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <set>
@@ -26,19 +28,19 @@ Status apply_one(std::string_view item, const std::vector<KeyValueRule>& rules,
   const std::size_t equals = item.find('=');
   if (equals == std::string_view::npos)
     return Error{ErrorCode::kInvalidArgument,
-                 "\"" + std::string(item) + "\" is not key=value (keys: " + keys_of(rules) + ")"};
+                 fmt::format("\"{}\" is not key=value (keys: {})", item, keys_of(rules))};
   const std::string key(item.substr(0, equals)), value(item.substr(equals + 1));
   const auto rule = std::find_if(rules.begin(), rules.end(), [&](const KeyValueRule& candidate) {
     return candidate.key == key;
   });
   if (rule == rules.end())
     return Error{ErrorCode::kInvalidArgument,
-                 "there is no option \"" + key + "\" (there are: " + keys_of(rules) + ")"};
+                 fmt::format("there is no option \"{}\" (there are: {})", key, keys_of(rules))};
   if (!seen.insert(key).second)
-    return Error{ErrorCode::kInvalidArgument, "option \"" + key + "\" is given twice"};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("option \"{}\" is given twice", key)};
   if (!rule->take(value))
     return Error{ErrorCode::kInvalidArgument,
-                 "option " + key + " is \"" + value + "\", allowed is " + rule->allowed};
+                 fmt::format("option {} is \"{}\", allowed is {}", key, value, rule->allowed)};
   return Done{};
 }
 
@@ -57,7 +59,7 @@ Status apply_key_values(std::string_view text, const std::vector<KeyValueRule>& 
 }
 
 KeyValueRule number_rule(const std::string& key, double low, double high, double& target) {
-  return {key, "a number from " + short_number(low) + " to " + short_number(high),
+  return {key, fmt::format("a number from {} to {}", short_number(low), short_number(high)),
           [=, &target](std::string_view text) {
             const auto value = dataset::parse_finite(text);
             if (!value || *value < low || *value > high) return false;
@@ -68,8 +70,7 @@ KeyValueRule number_rule(const std::string& key, double low, double high, double
 
 KeyValueRule whole_rule(const std::string& key, std::int64_t low, std::int64_t high,
                         const std::function<void(std::int64_t)>& take) {
-  return {key, "a whole number from " + std::to_string(low) + " to " + std::to_string(high),
-          [=](std::string_view text) {
+  return {key, fmt::format("a whole number from {} to {}", low, high), [=](std::string_view text) {
             const auto value = dataset::parse_index(text);
             if (!value || *value < low || *value > high) return false;
             take(*value);

@@ -1,5 +1,7 @@
 #include "core/disturb/sensor_disturbance.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -245,9 +247,9 @@ Opened with_frozen(std::unique_ptr<dataset::Sequence> sequence, const std::strin
       options, {whole_rule("every", 2, 1000, [&](std::int64_t v) { frozen.every = v; }),
                 whole_rule("count", 1, 999, [&](std::int64_t v) { frozen.count = v; })});
   if (status.ok() && frozen.count >= frozen.every)
-    return Error{ErrorCode::kInvalidArgument, "frozen: count is " + std::to_string(frozen.count) +
-                                                  ", expected less than every, " +
-                                                  std::to_string(frozen.every)};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("frozen: count is {}, expected less than every, {}", frozen.count,
+                             frozen.every)};
   return when_ok<Frozen>(status, "frozen", std::move(sequence), frozen);
 }
 

@@ -1,5 +1,7 @@
 #include "core/disturb/true_view.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <limits>
 
@@ -73,7 +75,7 @@ Result<Rigid3> true_pose(const dataset::Sequence& sequence, double time_s, const
     return extrapolated(truth.back(), truth[truth.size() - 2], time_s);
   if (!pose)
     return Error{ErrorCode::kNotFound,
-                 who + ": the ground truth has no pose at " + std::to_string(time_s) + " s"};
+                 fmt::format("{}: the ground truth has no pose at {:f} s", who, time_s)};
   return *pose;
 }
 
