@@ -1,5 +1,7 @@
 #include "core/synthetic/room_changes.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -56,9 +58,9 @@ Result<std::vector<RoomChange>> parse_moved_objects(std::string_view text) {
       if (is_valid) change.moved_m[static_cast<Eigen::Index>(axis)] = *moved_mm / 1000;
     }
     if (!is_valid)
-      return Error{ErrorCode::kInvalidArgument,
-                   "\"" + std::string(part) +
-                       "\" is not OBJECT:DX:DY:DZ in millimetres, each within +-1000"};
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("\"{}\" is not OBJECT:DX:DY:DZ in millimetres, each within +-1000", part)};
     changes.push_back(change);
   }
   return changes;
@@ -77,8 +79,9 @@ Status apply_changes(const std::vector<RoomChange>& changes, Furniture& furnitur
         std::find_if(furniture.objects.begin(), furniture.objects.end(),
                      [&](const NamedObject& candidate) { return candidate.name == change.object; });
     if (object == furniture.objects.end())
-      return Error{ErrorCode::kInvalidArgument, "there is no object \"" + change.object +
-                                                    "\" (there are: " + names_of(furniture) + ")"};
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("there is no object \"{}\" (there are: {})", change.object,
+                               names_of(furniture))};
     for (std::size_t i = object->first; i < object->last; ++i)
       furniture.shapes[i].center += change.moved_m;
     if (change.is_removed) remove_object(furniture, *object);
