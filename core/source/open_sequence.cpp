@@ -1,5 +1,7 @@
 #include "core/source/open_sequence.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "core/dataset/recording.h"
@@ -31,7 +33,7 @@ Result<std::unique_ptr<dataset::Sequence>> open_synthetic(const std::string& sou
   const bool has_options = source.size() > kSynthetic.size();
   Result<synthetic::SyntheticOptions> options =
       synthetic::parse_synthetic_options(has_options ? source.substr(kSynthetic.size() + 1) : "");
-  if (!options.ok()) return in_context("source \"" + source + "\"", options.error());
+  if (!options.ok()) return in_context(fmt::format("source \"{}\"", source), options.error());
   if (camera) options->camera = *camera;
   return synthetic::make_synthetic_sequence(*options);
 }
@@ -133,8 +135,9 @@ Opened open_base(const std::string& source, const std::optional<Camera>& camera)
   }
   if (source == kSynthetic || source.rfind(std::string(kSynthetic) + ":", 0) == 0)
     return open_synthetic(source, camera);
-  return Error{ErrorCode::kNotFound,
-               "\"" + source + "\" is neither a file, a folder nor synthetic[:key=value,...]"};
+  return Error{
+      ErrorCode::kNotFound,
+      fmt::format("\"{}\" is neither a file, a folder nor synthetic[:key=value,...]", source)};
 }
 
 }  // namespace
@@ -162,12 +165,12 @@ Result<std::unique_ptr<dataset::Sequence>> open_sequence(const std::string& sour
     suffixes.push_back(std::move(suffix));
     if (suffixes.size() > kMaxSuffixes)
       return Error{ErrorCode::kInvalidArgument,
-                   "more than " + std::to_string(kMaxSuffixes) + " disturbances behind a source"};
+                   fmt::format("more than {} disturbances behind a source", kMaxSuffixes)};
   }
   Opened opened = open_base(base, camera);
   for (auto suffix = suffixes.rbegin(); suffix != suffixes.rend() && opened.ok(); ++suffix) {
     opened = suffix->kind->apply(std::move(*opened), suffix->text);
-    if (!opened.ok()) return in_context("source \"" + source + "\"", opened.error());
+    if (!opened.ok()) return in_context(fmt::format("source \"{}\"", source), opened.error());
   }
   return opened;
 }
