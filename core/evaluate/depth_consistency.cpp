@@ -1,5 +1,7 @@
 #include "core/evaluate/depth_consistency.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -212,7 +214,7 @@ Status check_arguments(const std::vector<dataset::Trajectory>& trajectories,
   for (const std::int64_t spacing : options.spacings)
     if (spacing < 1)
       return Error{ErrorCode::kInvalidArgument,
-                   "a spacing of " + std::to_string(spacing) + " frames: needed is at least 1"};
+                   fmt::format("a spacing of {} frames: needed is at least 1", spacing)};
   CHECK(options.max_first_frames >= 1, "no frames to begin with");
   for (std::size_t t = 0; t < trajectories.size(); ++t)
     if (const Status status = validate(trajectories[t], "trajectory " + std::to_string(t + 1));
@@ -238,9 +240,9 @@ Result<std::vector<FramePoses>> poses_of_frames(
   }
   for (std::size_t t = 0; t < trajectories.size(); ++t)
     if (posed_count[t] == 0)
-      return Error{ErrorCode::kInvalidArgument, "trajectory " + std::to_string(t + 1) +
-                                                    " has no pose for any frame of " +
-                                                    sequence.name()};
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("trajectory {} has no pose for any frame of {}", t + 1, sequence.name())};
   return frames;
 }
 

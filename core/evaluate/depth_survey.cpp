@@ -1,5 +1,7 @@
 #include "core/evaluate/depth_survey.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cstdio>
 #include <numeric>
@@ -54,22 +56,26 @@ UnitGuess guess_depth_unit(const DepthSurvey& survey, double stated) {
   if (survey.median == 0) return {stated, "there is no depth to tell it from", true};
   const double stated_m = survey.median / stated;
   const bool fives = survey.common_divisor % 5 == 0 && survey.common_divisor > 0;
-  const std::string steps = fives ? "; every value is a multiple of " +
-                                        std::to_string(survey.common_divisor) +
-                                        ", as millimetres in fifths are"
-                                  : "";
+  const std::string steps =
+      fives ? fmt::format("; every value is a multiple of {}, as millimetres in fifths are",
+                          survey.common_divisor)
+            : "";
   const std::string half = "half of the depth is nearer than ";
   if (is_plausible(stated_m))
-    return {stated, half + text(stated_m) + " m in the stated unit, as in rooms" + steps, false};
+    return {stated,
+            fmt::format("{}{} m in the stated unit, as in rooms{}", half, text(stated_m), steps),
+            false};
   for (const double units : kCommonUnits)
     if (is_plausible(survey.median / units))
       return {units,
-              half + text(stated_m) + " m in the stated unit of " + text(stated) +
-                  " a metre, which no room is; " + text(units) + " a metre would make it " +
-                  text(survey.median / units) + " m" + steps,
+              fmt::format("{}{} m in the stated unit of {} a metre, which no room is; {} a metre "
+                          "would make it {} m{}",
+                          half, text(stated_m), text(stated), text(units),
+                          text(survey.median / units), steps),
               true};
   return {stated,
-          half + text(stated_m) + " m in the stated unit, and no usual unit makes that a room",
+          fmt::format("{}{} m in the stated unit, and no usual unit makes that a room", half,
+                      text(stated_m)),
           true};
 }
 

@@ -1,11 +1,12 @@
 #include "core/evaluate/inspection.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 
-#include "core/base/printf_text.h"
 #include "core/dataset/associate.h"
 #include "core/evaluate/depth_doubts.h"
 
@@ -56,14 +57,12 @@ void survey_times(const dataset::Sequence& sequence, Inspection& found) {
   gaps.resize(std::min(gaps.size(), kMaxGapsNamed));
   found.longest_gaps = std::move(gaps);
   if (found.gap_count > 0)
-    found.doubts.push_back(std::to_string(found.gap_count) + " gaps in time, the longest of " +
-                           printf_text("%.3g s", found.longest_gaps.front().length_s) +
-                           " after frame " +
-                           std::to_string(found.longest_gaps.front().after_frame));
+    found.doubts.push_back(fmt::format("{} gaps in time, the longest of {:.3g} s after frame {}",
+                                       found.gap_count, found.longest_gaps.front().length_s,
+                                       found.longest_gaps.front().after_frame));
   if (std::abs(found.measured_rate_hz / found.stated_rate_hz - 1) > kRateTolerance)
-    found.doubts.push_back("the times say " + printf_text("%.3g", found.measured_rate_hz) +
-                           " frames a second, stated are " +
-                           printf_text("%.3g", found.stated_rate_hz));
+    found.doubts.push_back(fmt::format("the times say {:.3g} frames a second, stated are {:.3g}",
+                                       found.measured_rate_hz, found.stated_rate_hz));
 }
 
 void survey_images(const dataset::Sequence& sequence, std::int64_t max_frames, Inspection& found) {
@@ -88,8 +87,8 @@ void survey_images(const dataset::Sequence& sequence, std::int64_t max_frames, I
   found.depth = values.survey();
   found.registration = registration.fit();
   if (found.unreadable_count > 0)
-    found.doubts.push_back(std::to_string(found.unreadable_count) + " of " + std::to_string(count) +
-                           " frames looked at cannot be read: " + first_problem);
+    found.doubts.push_back(fmt::format("{} of {} frames looked at cannot be read: {}",
+                                       found.unreadable_count, count, first_problem));
 }
 
 void judge_depth(Inspection& found) {
@@ -117,13 +116,12 @@ void survey_truth(const dataset::Sequence& sequence, Inspection& found) {
     found.truth.frames_with_pose +=
         dataset::pose_at(truth, sequence.timestamp_s(i), dataset::kMaxAssociationGap_s) ? 1 : 0;
   if (found.truth.frames_with_pose < sequence.frame_count())
-    found.doubts.push_back(std::to_string(sequence.frame_count() - found.truth.frames_with_pose) +
-                           " of " + std::to_string(sequence.frame_count()) +
-                           " frames have no true pose within 20 ms");
+    found.doubts.push_back(fmt::format("{} of {} frames have no true pose within 20 ms",
+                                       sequence.frame_count() - found.truth.frames_with_pose,
+                                       sequence.frame_count()));
   if (found.truth.fastest_m_per_s > kFastestHand_m_per_s)
-    found.doubts.push_back("the ground truth jumps: up to " +
-                           printf_text("%.1f m/s", found.truth.fastest_m_per_s) +
-                           " between two poses");
+    found.doubts.push_back(fmt::format("the ground truth jumps: up to {:.1f} m/s between two poses",
+                                       found.truth.fastest_m_per_s));
 }
 
 }  // namespace

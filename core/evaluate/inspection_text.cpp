@@ -1,4 +1,6 @@
 // Formats an inspection as text and as JSON.
+#include <fmt/core.h>
+
 #include <cstdarg>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -80,7 +82,7 @@ nlohmann::ordered_json depth_json(const Inspection& found) {
 
 std::string inspection_text(const Inspection& found) {
   std::string text = found.name + "\n";
-  text += "format        " + found.format + ": " + found.format_reason + "\n";
+  text += fmt::format("format        {}: {}\n", found.format, found.format_reason);
   add_line(text, "frames", "%lld in %.2f s, %.4g a second (stated %.4g)",
            static_cast<long long>(found.frame_count), found.duration_s, found.measured_rate_hz,
            found.stated_rate_hz);
@@ -100,7 +102,7 @@ std::string inspection_text(const Inspection& found) {
   add_line(text, "looked at", "%lld frames, %lld unreadable",
            static_cast<long long>(found.frames_looked_at),
            static_cast<long long>(found.unreadable_count));
-  for (const std::string& doubt : found.doubts) text += "doubt         " + doubt + "\n";
+  for (const std::string& doubt : found.doubts) text += fmt::format("doubt         {}\n", doubt);
   if (found.doubts.empty()) text += "no doubts\n";
   return text;
 }

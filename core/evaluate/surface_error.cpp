@@ -1,5 +1,7 @@
 #include "core/evaluate/surface_error.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -24,7 +26,7 @@ Result<SurfaceError> surface_error(std::vector<double> distances_m) {
   for (std::size_t i = 0; i < distances_m.size(); ++i) {
     if (!std::isfinite(distances_m[i]))
       return Error{ErrorCode::kInvalidArgument,
-                   "point " + std::to_string(i) + " has no finite distance to the surface"};
+                   fmt::format("point {} has no finite distance to the surface", i)};
     sum_m += distances_m[i];
     sum_of_squares_m2 += distances_m[i] * distances_m[i];
   }

@@ -1,5 +1,7 @@
 #include "core/evaluate/trajectory_error.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
@@ -33,11 +35,10 @@ Result<std::vector<MatchedPose>> match_poses(const dataset::Trajectory& estimate
   if (!pairs.ok()) return pairs.error();
   if (pairs->size() < kMinMatchedPoses)
     return Error{ErrorCode::kInvalidArgument,
-                 "only " + std::to_string(pairs->size()) + " of " +
-                     std::to_string(estimate.size()) + " estimated poses have one of the " +
-                     std::to_string(groundtruth.size()) + " true poses at most " +
-                     std::to_string(max_gap_s) + " s away, needed are " +
-                     std::to_string(kMinMatchedPoses)};
+                 fmt::format("only {} of {} estimated poses have one of the {} true poses at most "
+                             "{:f} s away, needed are {}",
+                             pairs->size(), estimate.size(), groundtruth.size(), max_gap_s,
+                             kMinMatchedPoses)};
   std::vector<MatchedPose> matched;
   for (const dataset::IndexPair& pair : *pairs)
     matched.push_back({pair.first, estimate[pair.first], groundtruth[pair.second]});
@@ -110,10 +111,10 @@ RelativeErrors over_one_second(const std::vector<MatchedPose>& matched, double m
 
 void put(nlohmann::ordered_json& json, const std::string& name, const std::string& unit,
          const ErrorStatistics& statistics) {
-  json[name + "_rmse_" + unit] = statistics.rmse;
-  json[name + "_mean_" + unit] = statistics.mean;
-  json[name + "_median_" + unit] = statistics.median;
-  json[name + "_max_" + unit] = statistics.max;
+  json[fmt::format("{}_rmse_{}", name, unit)] = statistics.rmse;
+  json[fmt::format("{}_mean_{}", name, unit)] = statistics.mean;
+  json[fmt::format("{}_median_{}", name, unit)] = statistics.median;
+  json[fmt::format("{}_max_{}", name, unit)] = statistics.max;
 }
 
 }  // namespace
