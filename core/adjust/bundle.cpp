@@ -1,5 +1,7 @@
 #include "core/adjust/bundle.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -112,8 +114,9 @@ Status validate_ties(const BundleProblem& problem) {
   const auto loose = std::find(tied.begin(), tied.end(), false);
   if (loose == tied.end()) return Done{};
   return Error{ErrorCode::kInvalidArgument,
-               "world_from_submap[" + std::to_string(loose - tied.begin()) +
-                   "] is connected to no fixed submap, neither by links nor by landmarks"};
+               fmt::format("world_from_submap[{}] is connected to no fixed submap, neither by "
+                           "links nor by landmarks",
+                           loose - tied.begin())};
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "core/adjust/bundle_check.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numeric>
@@ -24,7 +26,7 @@ constexpr double kInformationTolerance = 1e-9;
 constexpr int kMostIterations = 1000;
 
 Error bad(const std::string& list, std::size_t index, const std::string& message) {
-  return {ErrorCode::kInvalidArgument, list + "[" + std::to_string(index) + "]" + message};
+  return {ErrorCode::kInvalidArgument, fmt::format("{}[{}]{}", list, index, message)};
 }
 
 // Returns what is wrong with the pose, or nullopt.
@@ -55,22 +57,22 @@ bool within(double value, double low, double high) { return value >= low && valu
 Status validate_lists(const BundleProblem& problem) {
   if (problem.is_fixed.size() != problem.world_from_submap.size())
     return Error{ErrorCode::kInvalidArgument,
-                 "is_fixed has " + std::to_string(problem.is_fixed.size()) + " entries for " +
-                     std::to_string(problem.world_from_submap.size()) + " submaps"};
+                 fmt::format("is_fixed has {} entries for {} submaps", problem.is_fixed.size(),
+                             problem.world_from_submap.size())};
   for (std::size_t i = 0; i < problem.world_from_submap.size(); ++i)
     if (const auto message = problem_with(problem.world_from_submap[i]))
       return bad("world_from_submap", i, *message);
   for (std::size_t i = 0; i < problem.keyframes.size(); ++i) {
     if (problem.keyframes[i].submap >= problem.world_from_submap.size())
       return bad("keyframes", i,
-                 ".submap is " + std::to_string(problem.keyframes[i].submap) + ", but there are " +
-                     std::to_string(problem.world_from_submap.size()) + " submaps");
+                 fmt::format(".submap is {}, but there are {} submaps", problem.keyframes[i].submap,
+                             problem.world_from_submap.size()));
     if (const auto message = problem_with(problem.keyframes[i].submap_from_camera))
       return bad("keyframes", i, ".submap_from_camera" + *message);
     const double weight = problem.keyframes[i].weight;
     if (!(weight > 0 && weight <= 1))
       return bad("keyframes", i,
-                 ".weight is " + std::to_string(weight) + ", allowed is above 0 and at most 1");
+                 fmt::format(".weight is {:f}, allowed is above 0 and at most 1", weight));
   }
   for (std::size_t i = 0; i < problem.landmarks_in_world.size(); ++i)
     if (!(problem.landmarks_in_world[i].cwiseAbs().maxCoeff() <= kFarthest_m) ||
@@ -84,12 +86,12 @@ Status validate_observations(const BundleProblem& problem) {
     const BundleObservation& observation = problem.observations[i];
     if (observation.keyframe >= problem.keyframes.size())
       return bad("observations", i,
-                 ".keyframe is " + std::to_string(observation.keyframe) + ", but there are " +
-                     std::to_string(problem.keyframes.size()) + " keyframes");
+                 fmt::format(".keyframe is {}, but there are {} keyframes", observation.keyframe,
+                             problem.keyframes.size()));
     if (observation.landmark >= problem.landmarks_in_world.size())
       return bad("observations", i,
-                 ".landmark is " + std::to_string(observation.landmark) + ", but there are " +
-                     std::to_string(problem.landmarks_in_world.size()) + " landmarks");
+                 fmt::format(".landmark is {}, but there are {} landmarks", observation.landmark,
+                             problem.landmarks_in_world.size()));
     for (const double pixel : {observation.pixel_px.x(), observation.pixel_px.y()})
       if (!within(pixel, -kLargestPixel_px, kLargestPixel_px))
         return bad("observations", i, ".pixel_px is not finite or its magnitude is above 1e6");
@@ -107,10 +109,10 @@ Status validate_links(const BundleProblem& problem) {
     const BundleLink& link = problem.links[i];
     if (link.from >= submap_count || link.to >= submap_count)
       return bad("links", i,
-                 " joins submaps " + std::to_string(link.from) + " and " + std::to_string(link.to) +
-                     ", but there are " + std::to_string(submap_count));
+                 fmt::format(" joins submaps {} and {}, but there are {}", link.from, link.to,
+                             submap_count));
     if (link.from == link.to)
-      return bad("links", i, " joins submap " + std::to_string(link.from) + " with itself");
+      return bad("links", i, fmt::format(" joins submap {} with itself", link.from));
     if (const auto message = problem_with(link.from_from_to))
       return bad("links", i, ".from_from_to" + *message);
     if (const auto message = problem_with(link.information))
@@ -124,7 +126,7 @@ Status validate_options(const BundleOptions& options) {
     if (count < 0 || count > kMostIterations)
       return Error{
           ErrorCode::kInvalidArgument,
-          "iterations of a bundle adjustment: " + std::to_string(count) + ", allowed is 0 to 1000"};
+          fmt::format("iterations of a bundle adjustment: {}, allowed is 0 to 1000", count)};
   if (!within(options.least_progress, 0, 1))
     return Error{ErrorCode::kInvalidArgument,
                  "least_progress of a bundle adjustment is outside [0, 1]"};
