@@ -2,6 +2,7 @@
 
 #include <draco/compression/encode.h>
 #include <draco/point_cloud/point_cloud_builder.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -135,7 +136,7 @@ Result<std::string> encode_draco(const Columns& columns, const Grid& grid) {
 
 ChunkedModel::ChunkedModel(std::uint8_t level, double least_confidence)
     : level_(level), least_confidence_(least_confidence) {
-  CHECK(level <= kCoarsestLevel, "level " + std::to_string(level) + " of chunks");
+  CHECK(level <= kCoarsestLevel, fmt::format("level {} of chunks", level));
 }
 
 std::size_t ChunkedModel::KeyHash::operator()(const ChunkKey& key) const {
@@ -221,8 +222,8 @@ void ChunkedModel::set(std::uint32_t slot, const CloudPoint& point) {
 
 void ChunkedModel::apply(std::span<const SlotChange> changes) {
   for (const SlotChange& change : changes) {
-    CHECK(change.slot < kMaxModelSlots, "slot " + std::to_string(change.slot) + " is not below " +
-                                            std::to_string(kMaxModelSlots));
+    CHECK(change.slot < kMaxModelSlots,
+          fmt::format("slot {} is not below {}", change.slot, kMaxModelSlots));
     const bool is_weak =
         least_confidence_ > 0 && static_cast<double>(change.point.confidence) < least_confidence_;
     if (change.alive && !is_weak) {

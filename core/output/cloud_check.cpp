@@ -1,5 +1,7 @@
 #include "core/output/cloud_check.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <string>
 
@@ -14,9 +16,8 @@ Status check_cloud_with_points(const Cloud& cloud) {
         std::isfinite(point.confidence) && std::isfinite(point.curvature_max_per_m) &&
         std::isfinite(point.curvature_min_per_m) && std::isfinite(point.radius_m);
     if (!is_finite)
-      return Error{ErrorCode::kInvalidArgument, "cloud: a value of point " + std::to_string(i) +
-                                                    " of " + std::to_string(cloud.size()) +
-                                                    " is not finite"};
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("cloud: a value of point {} of {} is not finite", i, cloud.size())};
   }
   return Done{};
 }

@@ -1,5 +1,7 @@
 #include "core/output/glb_container.h"
 
+#include <fmt/core.h>
+
 #include <limits>
 
 namespace hermite::output {
@@ -54,7 +56,7 @@ Result<std::string> GlbContainer::finish() {
   const std::uint64_t size = 12 + 8 + text.size() + 8 + std::uint64_t{bytes_.size()};
   if (size > std::numeric_limits<std::uint32_t>::max())
     return Error{ErrorCode::kTooLarge,
-                 "GLB of " + std::to_string(size) + " bytes, the format ends at 4 GiB"};
+                 fmt::format("GLB of {} bytes, the format ends at 4 GiB", size)};
   std::string file;
   file.reserve(size);
   for (const std::uint32_t word : {kGlbMagic, kGlbVersion, static_cast<std::uint32_t>(size),

@@ -2,6 +2,7 @@
 
 #include <draco/compression/decode.h>
 #include <draco/mesh/mesh.h>
+#include <fmt/core.h>
 
 #include <exception>
 #include <memory>
@@ -23,15 +24,15 @@ Status read_attribute(const draco::Mesh& mesh, std::int64_t id,
       mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(id));
   if (!attribute) return damaged_draco("there is no attribute " + std::to_string(id));
   if (attribute->num_components() < kComponents || attribute->num_components() > 4)
-    return damaged_draco("attribute " + std::to_string(id) + " has " +
-                         std::to_string(attribute->num_components()) + " components");
+    return damaged_draco(
+        fmt::format("attribute {} has {} components", id, attribute->num_components()));
   rows.reserve(mesh.num_points());
   for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
     const draco::AttributeValueIndex value = attribute->mapped_index(draco::PointIndex(i));
     Eigen::Matrix<float, kComponents, 1> row;
     if (value.value() >= attribute->size() ||
         !attribute->ConvertValue<float>(value, static_cast<std::int8_t>(kComponents), row.data()))
-      return damaged_draco("attribute " + std::to_string(id) + " lacks a value");
+      return damaged_draco(fmt::format("attribute {} lacks a value", id));
     rows.push_back(row);
   }
   return Done{};
@@ -49,9 +50,9 @@ Result<DracoMesh> decode(std::string_view bytes, const DracoIds& ids, std::uint6
   if (!decoded.ok()) return damaged_draco(decoded.status().error_msg_string());
   const draco::Mesh& source = *decoded.value();
   if (source.num_points() != vertex_count || source.num_faces() != triangle_count)
-    return damaged_draco(std::to_string(source.num_points()) + " vertices and " +
-                         std::to_string(source.num_faces()) + " triangles where the glTF says " +
-                         std::to_string(vertex_count) + " and " + std::to_string(triangle_count));
+    return damaged_draco(fmt::format("{} vertices and {} triangles where the glTF says {} and {}",
+                                     source.num_points(), source.num_faces(), vertex_count,
+                                     triangle_count));
   DracoMesh mesh;
   for (const Status& read :
        {read_attribute<3>(source, ids.position, mesh.positions),
@@ -64,7 +65,7 @@ Result<DracoMesh> decode(std::string_view bytes, const DracoIds& ids, std::uint6
     const draco::Mesh::Face& face = source.face(draco::FaceIndex(i));
     for (std::size_t k = 0; k < 3; ++k)
       if (face[k].value() >= source.num_points())
-        return damaged_draco("triangle " + std::to_string(i) + " names a vertex that is not there");
+        return damaged_draco(fmt::format("triangle {} names a vertex that is not there", i));
     mesh.triangles.push_back({face[0].value(), face[1].value(), face[2].value()});
   }
   return mesh;

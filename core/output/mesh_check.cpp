@@ -1,5 +1,7 @@
 #include "core/output/mesh_check.h"
 
+#include <fmt/core.h>
+
 #include <string>
 
 namespace hermite::output {
@@ -12,17 +14,16 @@ Error wrong_mesh(const std::string& message) {
 Status check_lengths(const TriangleMesh& mesh) {
   const std::size_t count = mesh.positions_m.size();
   if (count > kMaxMeshVertices)
-    return Error{ErrorCode::kTooLarge, "mesh: " + std::to_string(count) + " vertices, at most " +
-                                           std::to_string(kMaxMeshVertices) + " can be written"};
+    return Error{ErrorCode::kTooLarge, fmt::format("mesh: {} vertices, at most {} can be written",
+                                                   count, kMaxMeshVertices)};
   if (mesh.normals.size() != count || mesh.colors.size() != count)
-    return wrong_mesh(std::to_string(count) + " positions, " + std::to_string(mesh.normals.size()) +
-                      " normals and " + std::to_string(mesh.colors.size()) +
-                      " colours: their numbers must be equal");
+    return wrong_mesh(
+        fmt::format("{} positions, {} normals and {} colours: their numbers must be equal", count,
+                    mesh.normals.size(), mesh.colors.size()));
   const bool is_textured = !mesh.pages.empty();
   if (mesh.texture_coordinates.size() != (is_textured ? count : 0))
-    return wrong_mesh(std::to_string(mesh.texture_coordinates.size()) +
-                      " texture coordinates for " + std::to_string(count) + " vertices and " +
-                      std::to_string(mesh.pages.size()) + " pages");
+    return wrong_mesh(fmt::format("{} texture coordinates for {} vertices and {} pages",
+                                  mesh.texture_coordinates.size(), count, mesh.pages.size()));
   return Done{};
 }
 
@@ -34,23 +35,20 @@ Status check_vertices(const TriangleMesh& mesh) {
         : !mesh.texture_coordinates.empty() && !mesh.texture_coordinates[i].allFinite()
             ? "texture coordinate"
             : nullptr;
-    if (what)
-      return wrong_mesh("the " + std::string(what) + " of vertex " + std::to_string(i) +
-                        " is not finite");
+    if (what) return wrong_mesh(fmt::format("the {} of vertex {} is not finite", what, i));
   }
   return Done{};
 }
 
 Status check_triangles(const TriangleMesh& mesh) {
   if (!mesh.is_filled.empty() && mesh.is_filled.size() != mesh.triangles.size())
-    return wrong_mesh(std::to_string(mesh.is_filled.size()) + " filled marks for " +
-                      std::to_string(mesh.triangles.size()) + " triangles");
+    return wrong_mesh(fmt::format("{} filled marks for {} triangles", mesh.is_filled.size(),
+                                  mesh.triangles.size()));
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (const std::uint32_t corner : mesh.triangles[i])
       if (corner >= mesh.positions_m.size())
-        return wrong_mesh("triangle " + std::to_string(i) + " refers to vertex " +
-                          std::to_string(corner) + " of " +
-                          std::to_string(mesh.positions_m.size()));
+        return wrong_mesh(fmt::format("triangle {} refers to vertex {} of {}", i, corner,
+                                      mesh.positions_m.size()));
   return Done{};
 }
 
@@ -60,20 +58,18 @@ Status check_pages(const TriangleMesh& mesh) {
     const TexturePage& page = mesh.pages[i];
     const std::string name = "page " + std::to_string(i);
     if (page.first_triangle != covered)
-      return wrong_mesh(name + " starts at triangle " + std::to_string(page.first_triangle) +
-                        " instead of " + std::to_string(covered));
+      return wrong_mesh(fmt::format("{} starts at triangle {} instead of {}", name,
+                                    page.first_triangle, covered));
     covered += page.triangle_count;
     const ColorImage& image = page.image;
     if (image.width < 1 || image.height < 1 ||
         image.pixels.size() !=
             static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height))
-      return wrong_mesh(name + " has no image: " + std::to_string(image.width) + "x" +
-                        std::to_string(image.height) + " with " +
-                        std::to_string(image.pixels.size()) + " pixels");
+      return wrong_mesh(fmt::format("{} has no image: {}x{} with {} pixels", name, image.width,
+                                    image.height, image.pixels.size()));
   }
   if (!mesh.pages.empty() && covered != mesh.triangles.size())
-    return wrong_mesh("pages have " + std::to_string(covered) + " of " +
-                      std::to_string(mesh.triangles.size()) + " triangles");
+    return wrong_mesh(fmt::format("pages have {} of {} triangles", covered, mesh.triangles.size()));
   return Done{};
 }
 

@@ -1,6 +1,7 @@
 #include "core/output/mesh_chunk.h"
 
 #include <draco/compression/encode.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
@@ -74,8 +75,8 @@ Result<EncodedMesh> encode_mesh_chunk(const TriangleMesh& mesh, double cell_m) {
   if (mesh.triangles.empty()) return EncodedMesh{};
   if (mesh.triangles.size() > kMaxTrianglesPerChunk)
     return Error{ErrorCode::kTooLarge,
-                 "a piece of the mesh has " + std::to_string(mesh.triangles.size()) +
-                     " triangles, the limit is " + std::to_string(kMaxTrianglesPerChunk)};
+                 fmt::format("a piece of the mesh has {} triangles, the limit is {}",
+                             mesh.triangles.size(), kMaxTrianglesPerChunk)};
   const StepGrid grid(mesh, kMeshChunkStep_cells * cell_m);
   if (grid.bits > kMostChunk_bits)
     return Error{ErrorCode::kTooLarge, "a piece of the mesh is larger than its grid"};

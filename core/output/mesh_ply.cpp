@@ -1,5 +1,7 @@
 #include "core/output/mesh_ply.h"
 
+#include <fmt/core.h>
+
 #include "core/base/check.h"
 #include "core/output/mesh_check.h"
 
@@ -12,16 +14,15 @@ std::string format_mesh_ply(const TriangleMesh& mesh) {
   CHECK(mesh.is_filled.empty() || mesh.is_filled.size() == mesh.triangles.size(),
         "the number of filled marks is not that of triangles");
   CHECK(count <= kMaxMeshVertices, "the number of vertices exceeds an int");
-  std::string bytes =
-      "ply\nformat binary_little_endian 1.0\ncomment Hermite: metres, normals out of the surface, "
-      "counter-clockwise from outside\n"
-      "element vertex " +
-      std::to_string(count) +
-      "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float "
-      "ny\nproperty float nz\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face " +
-      std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\n" +
-      (mesh.is_filled.empty() ? "" : "property uchar filled\n") + "end_header\n";
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\n"
+      "comment Hermite: metres, normals out of the surface, counter-clockwise from outside\n"
+      "element vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "element face {}\nproperty list uchar int vertex_indices\n{}end_header\n",
+      count, mesh.triangles.size(), mesh.is_filled.empty() ? "" : "property uchar filled\n");
   constexpr std::size_t kVertex_bytes = 6 * sizeof(float) + sizeof(Rgb8),
                         kFace_bytes = 2 + sizeof(TriangleCorners);
   bytes.reserve(bytes.size() + count * kVertex_bytes + mesh.triangles.size() * kFace_bytes);

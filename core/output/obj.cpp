@@ -1,5 +1,7 @@
 #include "core/output/obj.h"
 
+#include <fmt/core.h>
+
 #include <charconv>
 
 #include "core/output/axes.h"
@@ -70,9 +72,9 @@ Result<NamedFiles> format_obj(const TriangleMesh& mesh) {
     const Result<std::string> jpeg = texture_jpeg(mesh.pages[i].image);
     if (!jpeg.ok()) return in_context(name, jpeg.error());
     files.push_back({name + ".jpg", *jpeg});
-    materials +=
-        "newmtl " + name + "\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd " + name + ".jpg\n";
-    text += "usemtl " + name + "\n";
+    materials += fmt::format("newmtl {}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {}.jpg\n",
+                             name, name);
+    text += fmt::format("usemtl {}\n", name);
     append_faces(mesh, mesh.pages[i].first_triangle, mesh.pages[i].triangle_count, text);
   }
   files[0].bytes += text;

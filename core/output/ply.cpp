@@ -1,6 +1,7 @@
 #include "core/output/ply.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -41,13 +42,15 @@ void append(std::string& bytes, const Values&... values) {
 
 Error io_error(const std::string& what, const std::string& path) {
   return {ErrorCode::kIo,
-          "cannot " + what + " " + path + ": " + std::generic_category().message(errno)};
+          fmt::format("cannot {} {}: {}", what, path, std::generic_category().message(errno))};
 }
 
 std::string header_of(std::uint64_t count) {
-  return "ply\nformat binary_little_endian 1.0\ncomment Hermite: metres, 1/metres, normals towards "
-         "the camera\nelement vertex " +
-         std::to_string(count) + "\n" + kProperties + "end_header\n";
+  return fmt::format(
+      "ply\nformat binary_little_endian 1.0\n"
+      "comment Hermite: metres, 1/metres, normals towards the camera\n"
+      "element vertex {}\n{}end_header\n",
+      count, kProperties);
 }
 
 template <class Value>
@@ -155,15 +158,14 @@ Status write_file_atomically(const std::string& path, const std::string& bytes) 
   const std::string folder = slash == std::string::npos ? "."
                              : slash == 0               ? "/"
                                                         : path.substr(0, slash);
-  const std::string temporary =
-      path + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".tmp";
+  const std::string temporary = fmt::format("{}.{}-{}.tmp", path, ::getpid(), count++);
 
   if (const Status written = write_and_sync(temporary, bytes); !written.ok()) {
     ::unlink(temporary.c_str());
     return written.error();
   }
   if (::rename(temporary.c_str(), path.c_str()) != 0) {
-    const Error error = io_error("rename " + temporary + " to", path);
+    const Error error = io_error(fmt::format("rename {} to", temporary), path);
     ::unlink(temporary.c_str());
     return error;
   }

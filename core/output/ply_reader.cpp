@@ -1,5 +1,7 @@
 #include "core/output/ply_reader.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -63,10 +65,10 @@ Result<Property> parse_property(std::istringstream& words) {
     words >> count_type >> type;
     property.count_type = type_named(count_type);
     if (!property.count_type)
-      return corrupt("a list has the invalid count type '" + count_type + "'");
+      return corrupt(fmt::format("a list has the invalid count type '{}'", count_type));
   }
   const std::optional<Type> known = type_named(type);
-  if (!known) return corrupt("unknown type '" + type + "'");
+  if (!known) return corrupt(fmt::format("unknown type '{}'", type));
   property.type = *known;
   words >> property.name;
   return property;
@@ -78,9 +80,9 @@ Status check_elements(const std::vector<Element>& elements) {
   for (auto element = elements.begin(); element != elements.end(); ++element) {
     const auto has_its_name = [&](const Element& other) { return other.name == element->name; };
     if (std::any_of(elements.begin(), element, has_its_name))
-      return corrupt("element '" + element->name + "' is declared twice");
+      return corrupt(fmt::format("element '{}' is declared twice", element->name));
     if (element->count > 0 && element->properties.empty())
-      return corrupt("element '" + element->name + "' has no properties");
+      return corrupt(fmt::format("element '{}' has no properties", element->name));
   }
   return Done{};
 }
@@ -93,8 +95,9 @@ Result<Header> parse_header(std::string_view bytes) {
     const std::size_t end = bytes.find('\n', header.bytes);
     if (end == std::string_view::npos || end - header.bytes > kLongestLine ||
         end > kLongestHeader_bytes)
-      return corrupt("the header does not end: its lines may have " + std::to_string(kLongestLine) +
-                     " bytes, all of it " + std::to_string(kLongestHeader_bytes));
+      return corrupt(
+          fmt::format("the header does not end: its lines may have {} bytes, all of it {}",
+                      kLongestLine, kLongestHeader_bytes));
     const std::size_t start = header.bytes;
     std::istringstream words(std::string(bytes.substr(header.bytes, end - header.bytes)));
     header.bytes = end + 1;
@@ -109,8 +112,8 @@ Result<Header> parse_header(std::string_view bytes) {
       Element element;
       words >> element.name >> element.count;
       if (words.fail() || element.count > kMostElements)
-        return corrupt("element '" + element.name + "' has no count of at most " +
-                       std::to_string(kMostElements));
+        return corrupt(
+            fmt::format("element '{}' has no count of at most {}", element.name, kMostElements));
       header.elements.push_back(element);
     }
     if (keyword == "property") {
@@ -127,8 +130,9 @@ Result<Header> parse_header(std::string_view bytes) {
     header.encoding = Encoding::kBigEndian;
   else if (format != "ascii")
     return Error{ErrorCode::kUnsupported,
-                 "PLY: format '" + format +
-                     "' is unknown; known are ascii, binary_little_endian and binary_big_endian"};
+                 fmt::format("PLY: format '{}' is unknown; known are ascii, binary_little_endian "
+                             "and binary_big_endian",
+                             format)};
   const Status elements = check_elements(header.elements);
   if (!elements.ok()) return elements.error();
   return header;
@@ -272,7 +276,7 @@ struct VertexColumns {
 };
 
 Error too_many(const char* what, std::uint64_t most) {
-  return {ErrorCode::kTooLarge, "PLY: more than " + std::to_string(most) + " " + what};
+  return {ErrorCode::kTooLarge, fmt::format("PLY: more than {} {}", most, what)};
 }
 
 Status read_vertices(Numbers& numbers, const Element& element, const PlyOptions& options,
@@ -293,8 +297,7 @@ Status read_vertices(Numbers& numbers, const Element& element, const PlyOptions&
       row[k] = numbers.next(element.properties[k].type);
     }
     if (!columns.position.all_there()) return corrupt("vertices lack x, y and z");
-    if (numbers.failed())
-      return corrupt("cut at vertex " + std::to_string(i) + " of " + std::to_string(element.count));
+    if (numbers.failed()) return corrupt(fmt::format("cut at vertex {} of {}", i, element.count));
     if (!origin_known && columns.position_of(row).allFinite()) {
       shape.origin = origin_near(columns.position_of(row));
       origin_known = true;
@@ -316,16 +319,16 @@ Status read_others(Numbers& numbers, const Element& element, const PlyOptions& o
     for (const Property& property : element.properties) {
       const double length = property.count_type ? numbers.next(*property.count_type) : 1;
       if (numbers.failed() || !(length >= 0 && length <= static_cast<double>(kLongestList)))
-        return corrupt("cut or damaged at " + element.name + " " + std::to_string(i));
+        return corrupt(fmt::format("cut or damaged at {} {}", element.name, i));
       values.resize(static_cast<std::size_t>(length));
       for (double& value : values) value = numbers.next(property.type);
-      if (numbers.failed()) return corrupt("cut at " + element.name + " " + std::to_string(i));
+      if (numbers.failed()) return corrupt(fmt::format("cut at {} {}", element.name, i));
       if (is_face && property.name == "filled" && !values.empty()) is_filled = values[0];
       if (!is_face || (property.name != "vertex_indices" && property.name != "vertex_index"))
         continue;
       for (const double value : values)
         if (!(value >= 0 && value < static_cast<double>(shape.positions.size())))
-          return corrupt("face " + std::to_string(i) + " names a vertex that is not there");
+          return corrupt(fmt::format("face {} names a vertex that is not there", i));
       if (shape.triangles.size() + values.size() > options.most_triangles + 2)
         return too_many("triangles", options.most_triangles);
       for (std::size_t k = 2; k < values.size(); ++k)

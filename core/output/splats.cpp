@@ -1,5 +1,7 @@
 #include "core/output/splats.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -68,15 +70,17 @@ Result<std::string> format_splats(const Cloud& cloud) {
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (cloud[i].normal.stableNorm() < kShortestNormal)
       return Error{ErrorCode::kInvalidArgument,
-                   "cloud: point " + std::to_string(i) +
-                       " has no normal (nx, ny, nz), which a splat needs to lie in its surface"};
-  std::string bytes =
-      "ply\nformat binary_little_endian 1.0\ncomment Hermite: surfels as 3D Gaussians, metres, y "
-      "down\nelement vertex " +
-      std::to_string(cloud.size()) + "\n";
+                   fmt::format("cloud: point {} has no normal (nx, ny, nz), which a splat needs to "
+                               "lie in its surface",
+                               i)};
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\n"
+      "comment Hermite: surfels as 3D Gaussians, metres, y down\n"
+      "element vertex {}\n",
+      cloud.size());
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
                            "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
-    bytes += std::string("property float ") + name + "\n";
+    bytes += fmt::format("property float {}\n", name);
   bytes += "end_header\n";
   bytes.reserve(bytes.size() + cloud.size() * kSplatFloats * sizeof(float));
   const std::vector<float> spacings_m = point_spacings_m(cloud);

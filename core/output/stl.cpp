@@ -1,5 +1,7 @@
 #include "core/output/stl.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <array>
 #include <limits>
@@ -20,8 +22,9 @@ constexpr const char* kStlHeader = "Hermite: millimetres, z up";
 Result<std::string> format_stl(const TriangleMesh& mesh) {
   if (const Status status = check_mesh_with_triangles(mesh); !status.ok()) return status.error();
   if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
-    return Error{ErrorCode::kTooLarge, "STL: " + std::to_string(mesh.triangles.size()) +
-                                           " triangles, the format ends at 4294967295"};
+    return Error{
+        ErrorCode::kTooLarge,
+        fmt::format("STL: {} triangles, the format ends at 4294967295", mesh.triangles.size())};
   std::string bytes = kStlHeader;
   bytes.resize(kStlHeader_bytes, ' ');
   bytes.reserve(kStlHeader_bytes + 4 + mesh.triangles.size() * kStlTriangle_bytes);
