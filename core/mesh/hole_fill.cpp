@@ -1,5 +1,7 @@
 #include "core/mesh/hole_fill.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <optional>
@@ -272,9 +274,8 @@ void turn_border_normals(const std::vector<bool>& is_turning, output::TriangleMe
 
 Status check_hole_fill(const output::TriangleMesh& mesh, const HoleFillOptions& options) {
   if (!(options.width_m >= 0 && options.width_m <= kMostHoleWidth_m))
-    return Error{ErrorCode::kInvalidArgument, "holes of " + std::to_string(options.width_m) +
-                                                  " m: expected 0 to " +
-                                                  std::to_string(kMostHoleWidth_m)};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("holes of {:f} m: expected 0 to {:f}",
+                                                          options.width_m, kMostHoleWidth_m)};
   if (!mesh.pages.empty())
     return Error{
         ErrorCode::kInvalidArgument,

@@ -1,5 +1,6 @@
 #include "core/mesh/simplify.h"
 
+#include <fmt/core.h>
 #include <meshoptimizer.h>
 
 #include <algorithm>
@@ -20,14 +21,14 @@ constexpr std::int64_t kMostTriangles = std::int64_t{1} << 30;
 Status check_simplification(const output::TriangleMesh& mesh, const SimplifyOptions& options) {
   if (!(options.most_error_m >= kLeastError_m && options.most_error_m <= kMostError_m))
     return Error{ErrorCode::kInvalidArgument,
-                 "error of " + std::to_string(options.most_error_m) + " m: expected 0.00001 to 1"};
+                 fmt::format("error of {:f} m: expected 0.00001 to 1", options.most_error_m)};
   if (options.least_triangles < 0 || options.least_triangles > kMostTriangles)
     return Error{ErrorCode::kInvalidArgument,
                  std::to_string(options.least_triangles) + " triangles: expected 0 to 2^30"};
   if (options.triangles_of_last_pass < 2)
-    return Error{ErrorCode::kInvalidArgument, "a last pass of " +
-                                                  std::to_string(options.triangles_of_last_pass) +
-                                                  " triangles: expected 2 at least"};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("a last pass of {} triangles: expected 2 at least",
+                             options.triangles_of_last_pass)};
   if (!mesh.pages.empty())
     return Error{ErrorCode::kInvalidArgument,
                  "a mesh is simplified before it is textured: its texture would not fit any more"};

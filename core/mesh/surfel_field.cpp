@@ -1,5 +1,7 @@
 #include "core/mesh/surfel_field.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -114,17 +116,18 @@ Result<SurfelField> SurfelField::of_kernels(std::vector<FieldKernel> kernels,
   if (options.cell_m == 0)
     field.cell_m_ = std::clamp<double>(median_of(spacings), kLeastOwnCell_m, kMostOwnCell_m);
   if (!(field.cell_m_ >= kLeastCell_m && field.cell_m_ <= kMostCell_m))
-    return Error{ErrorCode::kInvalidArgument, "cell of " + std::to_string(options.cell_m) +
-                                                  " m: expected " + std::to_string(kLeastCell_m) +
-                                                  " to " + std::to_string(kMostCell_m) +
-                                                  ", or 0 for what fits the cloud"};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("cell of {:f} m: expected {:f} to {:f}, or 0 for what fits the cloud",
+                             options.cell_m, kLeastCell_m, kMostCell_m)};
   const float most_m = static_cast<float>(field.cell_m_ * (kMostCell - kSpareCells));
   for (std::size_t i = 0; i < kernels.size(); ++i) {
     FieldKernel& kernel = kernels[i];
     if (!(kernel.position_m.cwiseAbs().maxCoeff() < most_m))
-      return Error{ErrorCode::kInvalidArgument,
-                   "a point lies more than " + std::to_string(most_m) +
-                       " m from the origin, too far for cells of this size"};
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format(
+              "a point lies more than {:f} m from the origin, too far for cells of this size",
+              most_m)};
     spread(kernel, spacings[i], options.support_spacings, field.cell_m_);
     field.reach_m_ = std::max(field.reach_m_, kernel.radius_m);
   }
