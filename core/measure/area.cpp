@@ -1,5 +1,7 @@
 #include "core/measure/area.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -70,9 +72,10 @@ std::optional<Error> fault_of(const FlatOutline& outline, std::span<const Measur
   const std::size_t count = corners.size();
   for (std::size_t i = 0; i < count; ++i)
     if ((places[i].position_m - places[(i + 1) % count].position_m).norm() < kLeastDistance_m)
-      return Error{ErrorCode::kInvalidArgument,
-                   "corners " + corner_number(i, count) + " and " + corner_number(i + 1, count) +
-                       " are the same place: they are less than 5 mm apart"};
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("corners {} and {} are the same place: they are less than 5 mm apart",
+                      corner_number(i, count), corner_number(i + 1, count))};
   if (outline.breadth_m < kLeastBreadth_m)
     return Error{ErrorCode::kInvalidArgument, "the corners lie on one line: they have no area"};
   for (std::size_t i = 0; i < count; ++i)
@@ -80,9 +83,10 @@ std::optional<Error> fault_of(const FlatOutline& outline, std::span<const Measur
       if ((j + 1) % count != i &&
           meet(corners[i], corners[i + 1], corners[j], corners[(j + 1) % count]))
         return Error{ErrorCode::kInvalidArgument,
-                     "the outline crosses itself: its side from corner " + corner_number(i, count) +
-                         " to " + corner_number(i + 1, count) + " meets that from " +
-                         corner_number(j, count) + " to " + corner_number(j + 1, count)};
+                     fmt::format("the outline crosses itself: its side from corner {} to {} meets "
+                                 "that from {} to {}",
+                                 corner_number(i, count), corner_number(i + 1, count),
+                                 corner_number(j, count), corner_number(j + 1, count))};
   return std::nullopt;
 }
 
@@ -91,8 +95,8 @@ std::optional<Error> fault_of(const FlatOutline& outline, std::span<const Measur
 Result<Quantity> area_of(std::span<const MeasuredPlace> corners, const MapKnowledge& map) {
   const std::size_t count = corners.size();
   if (count < row_of(MeasureKind::kArea).least_points || count > kMostCorners)
-    return Error{ErrorCode::kInvalidArgument, "an area has 3 to " + std::to_string(kMostCorners) +
-                                                  " corners, not " + std::to_string(count)};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("an area has 3 to {} corners, not {}", kMostCorners, count)};
   const FlatOutline outline = flat_outline_of(corners);
   if (const std::optional<Error> fault = fault_of(outline, corners)) return *fault;
   double doubled_m2 = 0;

@@ -1,5 +1,7 @@
 #include "core/measure/measure.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -23,7 +25,7 @@ constexpr std::size_t kMostAround = 100'000, kMostInPlane = 500'000;
 // Tolerance for the length of a direction.
 constexpr double kUnitSlack = 0.01;
 
-std::string point_name(std::size_t index) { return "points[" + std::to_string(index) + "]"; }
+std::string point_name(std::size_t index) { return fmt::format("points[{}]", index); }
 
 bool needs_plane(MeasureKind kind, std::size_t index) {
   return kind == MeasureKind::kAngle || (kind == MeasureKind::kPlane && index == 1);
@@ -130,9 +132,9 @@ Status check_measure_request(const MeasureRequest& request) {
     const std::string allowed =
         std::to_string(row.least_points) +
         (row.most_points == row.least_points ? "" : " to " + std::to_string(row.most_points));
-    return Error{ErrorCode::kInvalidArgument, "points has " + std::to_string(count) +
-                                                  " points, of kind " + std::string(row.name) +
-                                                  " are allowed " + allowed};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("points has {} points, of kind {} are allowed {}", count, row.name, allowed)};
   }
   for (std::size_t i = 0; i < count; ++i)
     if (!request.points[i].allFinite())

@@ -1,5 +1,7 @@
 #include "core/measure/pose_error.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -34,9 +36,9 @@ Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places,
   for (const MeasuredPlace& place : places) {
     if (map.part_count > 1 && place.submap != places.front().submap)
       return Error{ErrorCode::kInvalidArgument,
-                   "the scan is in " + std::to_string(map.part_count) +
-                       " parts, since the camera was lost between them, and the points need not be "
-                       "in the same one"};
+                   fmt::format("the scan is in {} parts, since the camera was lost between them, "
+                               "and the points need not be in the same one",
+                               map.part_count)};
     seen.push_back(map.way.seen_from(place.position_m, place.normal));
   }
   PoseError error;
