@@ -1,5 +1,7 @@
 #include "core/plan/plan_drawing.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -131,7 +133,7 @@ std::string drawn_ground(const PlanRoom& room, const Paper& paper) {
     }
     outline += "Z";
   }
-  return "<path class=\"room\" d=\"" + outline + "\"/>\n";
+  return fmt::format("<path class=\"room\" d=\"{}\"/>\n", outline);
 }
 
 std::string label_of(const PlanRoom& room, std::size_t number, const Paper& paper) {

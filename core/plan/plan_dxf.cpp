@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <cstring>
 #include <string>
 #include <utility>
@@ -21,7 +23,7 @@ constexpr int kMetre = 6;  // of $INSUNITS
 constexpr double kTextHeight_m = 0.15;
 
 std::string group(int code, const std::string& value) {
-  return printf_text("%3d\r\n", code) + value + "\r\n";
+  return fmt::format("{:3}\r\n{}\r\n", code, value);
 }
 std::string place(int code, const Vector2d& at_m) {
   return group(code, printf_text("%.6f", at_m.x())) +
