@@ -1,5 +1,7 @@
 #include "core/compare/compare_output.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -201,20 +203,25 @@ std::string format_changes_ply(const Comparison& comparison) {
   std::string points;
   const std::size_t count =
       append_points(comparison, true, points) + append_points(comparison, false, points);
-  return "ply\nformat binary_little_endian 1.0\ncomment Hermite comparison: metres, normals "
-         "towards the camera\nelement vertex " +
-         std::to_string(count) + kPlaceProperties + "property int region\nend_header\n" + points;
+  return fmt::format(
+             "ply\nformat binary_little_endian 1.0\n"
+             "comment Hermite comparison: metres, normals towards the camera\n"
+             "element vertex {}{}property int region\nend_header\n",
+             count, kPlaceProperties) +
+         points;
 }
 
 std::string format_compared_points_ply(const Comparison& comparison) {
   std::string points;
   const std::size_t count =
       append_shown(comparison, true, points) + append_shown(comparison, false, points);
-  return "ply\nformat binary_little_endian 1.0\ncomment Hermite comparison of two scans: metres, "
-         "in the first one's world\nelement "
-         "vertex " +
-         std::to_string(count) + kPlaceProperties +
-         "property uchar state\nproperty uchar scan\nproperty int region\nend_header\n" + points;
+  return fmt::format(
+             "ply\nformat binary_little_endian 1.0\n"
+             "comment Hermite comparison of two scans: metres, in the first one's world\n"
+             "element vertex {}{}property uchar state\nproperty uchar scan\n"
+             "property int region\nend_header\n",
+             count, kPlaceProperties) +
+         points;
 }
 
 }  // namespace hermite::compare

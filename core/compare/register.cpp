@@ -1,5 +1,7 @@
 #include "core/compare/register.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -148,12 +150,10 @@ Registration of_mirrored(const CoarseAgreement& best) {
 Registration without_place(const CoarseScan& a, const CoarseScan& b, const CoarseAgreement& best) {
   Registration registration;
   registration.agreement = best;
-  registration.message =
+  registration.message = fmt::format(
       "The two scans do not show the same place, or too little of it in common: in the best "
-      "position found, " +
-      text_of(best) +
-      printf_text(" (at least %.0f %% and %.0f %% are needed).", 100 * least_share(best),
-                  100 * least_overlap(a, b));
+      "position found, {} (at least {:.0f} % and {:.0f} % are needed).",
+      text_of(best), 100 * least_share(best), 100 * least_overlap(a, b));
   if (const double ratio = a.scan().extent_m() / b.scan().extent_m(); ratio > 3 || ratio < 1 / 3.0)
     registration.message +=
         printf_text(" The first extends over %.3g m, the second over %.3g m: are both in metres?",
@@ -165,12 +165,10 @@ Registration with_too_few_places(const CoarseAgreement& best, std::size_t place_
   Registration registration;
   registration.verdict = RegistrationVerdict::kTooSparse;
   registration.agreement = best;
-  registration.message = "The two scans cannot be aligned: in the best position found, " +
-                         text_of(best) +
-                         printf_text(
-                             ", but at only %zu places of at least %zu. The scans are too small, "
-                             "or their points too far apart.",
-                             place_count, kLeastPlaces);
+  registration.message = fmt::format(
+      "The two scans cannot be aligned: in the best position found, {}, but at only {} places of "
+      "at least {}. The scans are too small, or their points too far apart.",
+      text_of(best), place_count, kLeastPlaces);
   return registration;
 }
 
@@ -225,7 +223,7 @@ Registration register_scans(const CoarseScan& a, const CoarseScan& b,
   }
   registration.verdict = RegistrationVerdict::kSamePlace;
   registration.message =
-      "The two scans show the same place: " + text_of(registration.agreement) + ".";
+      fmt::format("The two scans show the same place: {}.", text_of(registration.agreement));
   return registration;
 }
 
