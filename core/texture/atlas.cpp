@@ -1,5 +1,7 @@
 #include "core/texture/atlas.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -122,11 +124,11 @@ Result<Atlas> atlas_of(const output::TriangleMesh& mesh, const std::vector<float
     atlas.pages = std::move(packing->pages);
     return atlas;
   }
-  return Error{ErrorCode::kTooLarge,
-               "the surface of " + std::to_string(std::llround(area_m2(mesh))) + " m^2 in " +
-                   std::to_string(mesh.triangles.size()) + " triangles does not fit " +
-                   std::to_string(options.max_pages) + " pages of " +
-                   std::to_string(options.page_px) + " pixels"};
+  return Error{
+      ErrorCode::kTooLarge,
+      fmt::format("the surface of {} m^2 in {} triangles does not fit {} pages of {} pixels",
+                  std::llround(area_m2(mesh)), mesh.triangles.size(), options.max_pages,
+                  options.page_px)};
 }
 
 output::TriangleMesh laid_out(const output::TriangleMesh& mesh, const Atlas& atlas) {

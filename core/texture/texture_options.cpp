@@ -1,5 +1,7 @@
 #include "core/texture/texture_options.h"
 
+#include <fmt/core.h>
+
 #include <string>
 
 namespace hermite::texture {
@@ -14,8 +16,8 @@ Status check_range(const char* field, double value, double low, double high) {
     if (digits.back() == '.') digits.pop_back();
     return digits;
   };
-  return Error{ErrorCode::kInvalidArgument, std::string(field) + " is " + text(value) +
-                                                ", allowed are " + text(low) + " to " + text(high)};
+  return Error{ErrorCode::kInvalidArgument, fmt::format("{} is {}, allowed are {} to {}", field,
+                                                        text(value), text(low), text(high))};
 }
 
 }  // namespace
@@ -50,13 +52,12 @@ Status validate(const TextureFrames& frames) {
   if (!seen.pixels.empty() &&
       (seen.width != frames.camera.width || seen.height != frames.camera.height))
     return Error{ErrorCode::kInvalidArgument,
-                 "is_seen is " + std::to_string(seen.width) + "x" + std::to_string(seen.height) +
-                     ", the camera's images are " + std::to_string(frames.camera.width) + "x" +
-                     std::to_string(frames.camera.height)};
+                 fmt::format("is_seen is {}x{}, the camera's images are {}x{}", seen.width,
+                             seen.height, frames.camera.width, frames.camera.height)};
   for (std::size_t i = 0; i < frames.world_from_camera.size(); ++i)
     if (frames.world_from_camera[i] && !is_finite(*frames.world_from_camera[i]))
       return Error{ErrorCode::kInvalidArgument,
-                   "the pose of frame " + std::to_string(i) + " is not finite"};
+                   fmt::format("the pose of frame {} is not finite", i)};
   return Done{};
 }
 

@@ -1,5 +1,7 @@
 #include "core/texture/texture_quality.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -189,8 +191,9 @@ Result<HeldOutQuality> held_out_quality(const output::TriangleMesh& mesh,
   for (std::size_t i = 0; i < selected.size(); ++i)
     (i % kHeldOutOf == kHeldOutOf / 2 ? left_out : used).push_back(selected[i]);
   if (left_out.empty() || used.empty())
-    return Error{ErrorCode::kNotFound, "of " + std::to_string(selected.size()) +
-                                           " views none can be left out: eight are needed"};
+    return Error{
+        ErrorCode::kNotFound,
+        fmt::format("of {} views none can be left out: eight are needed", selected.size())};
   TextureStatistics counted;
   const TextureProgress nobody;
   const TextureRun run{options, nobody, counted};

@@ -1,5 +1,7 @@
 #include "core/texture/texture_view.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -102,9 +104,8 @@ Result<TextureView> load_view(const output::TriangleMesh& mesh, const TextureFra
   const Camera& camera = frames.camera;
   if (color->width != camera.width || color->height != camera.height)
     return Error{ErrorCode::kCorruptData,
-                 "frame " + std::to_string(frame) + " is " + std::to_string(color->width) + "x" +
-                     std::to_string(color->height) + ", the camera's images are " +
-                     std::to_string(camera.width) + "x" + std::to_string(camera.height)};
+                 fmt::format("frame {} is {}x{}, the camera's images are {}x{}", frame,
+                             color->width, color->height, camera.width, camera.height)};
   TextureView view;
   view.frame = frame;
   view.color = *std::move(color);
