@@ -1,5 +1,7 @@
 #include "core/export/formats.h"
 
+#include <fmt/core.h>
+
 #include <iterator>
 
 #include "core/archive/whole_folder.h"
@@ -165,7 +167,7 @@ Result<ExportFormat> export_format_named(std::string_view name) {
     names += (names.empty() ? "" : ", ") + std::string(format.name);
   }
   return Error{ErrorCode::kInvalidArgument,
-               "there is no format '" + std::string(name.substr(0, 40)) + "', there are " + names};
+               fmt::format("there is no format '{}', there are {}", name.substr(0, 40), names)};
 }
 
 Status write_export(const ExportFormat& format, const output::NamedFiles& files,

@@ -1,5 +1,7 @@
 #include "core/export/keyframes.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -89,11 +91,10 @@ Result<std::vector<SeenFrame>> frames_with_poses(const dataset::Sequence& sequen
       frames.push_back({i, trajectory[at].world_from_camera, 0});
   }
   if (frames.empty())
-    return Error{ErrorCode::kNotFound, "none of the " + std::to_string(sequence.frame_count()) +
-                                           " frames of " + sequence.name() +
-                                           " has one of the trajectory's " +
-                                           std::to_string(trajectory.size()) +
-                                           " poses: their timestamps must agree within 0.1 ms"};
+    return Error{ErrorCode::kNotFound,
+                 fmt::format("none of the {} frames of {} has one of the trajectory's {} poses: "
+                             "their timestamps must agree within 0.1 ms",
+                             sequence.frame_count(), sequence.name(), trajectory.size())};
   return frames;
 }
 
