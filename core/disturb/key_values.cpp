@@ -3,19 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <set>
 
 #include "core/dataset/text_file.h"
 
 namespace hermite::disturb {
 namespace {
-
-std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
 
 std::string keys_of(const std::vector<KeyValueRule>& rules) {
   std::string keys;
@@ -59,7 +52,7 @@ Status apply_key_values(std::string_view text, const std::vector<KeyValueRule>& 
 }
 
 KeyValueRule number_rule(const std::string& key, double low, double high, double& target) {
-  return {key, fmt::format("a number from {} to {}", short_number(low), short_number(high)),
+  return {key, fmt::format("a number from {:g} to {:g}", low, high),
           [=, &target](std::string_view text) {
             const auto value = dataset::parse_finite(text);
             if (!value || *value < low || *value > high) return false;

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <array>
-#include <cstdio>
 #include <numeric>
 
 namespace hermite::evaluate {
@@ -13,12 +12,6 @@ constexpr double kNearMedian_m = 0.3, kFarMedian_m = 6;
 // Millimetres first, then by frequency of use: TUM's, 1/10 mm, RealSense's at close range, 1/256 m,
 // centimetres.
 constexpr std::array<double, 5> kCommonUnits = {1000, 5000, 10000, 256, 100};
-
-std::string text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 
 bool is_plausible(double median_m) { return median_m >= kNearMedian_m && median_m <= kFarMedian_m; }
 
@@ -63,19 +56,18 @@ UnitGuess guess_depth_unit(const DepthSurvey& survey, double stated) {
   const std::string half = "half of the depth is nearer than ";
   if (is_plausible(stated_m))
     return {stated,
-            fmt::format("{}{} m in the stated unit, as in rooms{}", half, text(stated_m), steps),
+            fmt::format("{}{:.3g} m in the stated unit, as in rooms{}", half, stated_m, steps),
             false};
   for (const double units : kCommonUnits)
     if (is_plausible(survey.median / units))
       return {units,
-              fmt::format("{}{} m in the stated unit of {} a metre, which no room is; {} a metre "
-                          "would make it {} m{}",
-                          half, text(stated_m), text(stated), text(units),
-                          text(survey.median / units), steps),
+              fmt::format("{}{:.3g} m in the stated unit of {:.3g} a metre, which no room is; "
+                          "{:.3g} a metre would make it {:.3g} m{}",
+                          half, stated_m, stated, units, survey.median / units, steps),
               true};
   return {stated,
-          fmt::format("{}{} m in the stated unit, and no usual unit makes that a room", half,
-                      text(stated_m)),
+          fmt::format("{}{:.3g} m in the stated unit, and no usual unit makes that a room", half,
+                      stated_m),
           true};
 }
 
