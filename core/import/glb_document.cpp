@@ -1,5 +1,7 @@
 #include "core/import/glb_document.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -42,22 +44,20 @@ std::string printable(std::string text) {
 Result<std::string_view> chunk_at(std::string_view bytes, std::size_t at, std::uint32_t kind,
                                   const char* name) {
   if (bytes.size() - at < kChunkHeader_bytes)
-    return glb_error(std::string("the header of the ") + name + " chunk is cut");
+    return glb_error(fmt::format("the header of the {} chunk is cut", name));
   const std::uint32_t length = word_at(bytes, at);
   if (word_at(bytes, at + 4) != kind)
-    return glb_error(std::string("there is another chunk where the ") + name + " chunk belongs");
+    return glb_error(fmt::format("there is another chunk where the {} chunk belongs", name));
   if (bytes.size() - at - kChunkHeader_bytes < length)
-    return glb_error(std::string("the ") + name + " chunk has " + std::to_string(length) +
-                     " bytes, the file has " +
-                     std::to_string(bytes.size() - at - kChunkHeader_bytes) + " left");
+    return glb_error(fmt::format("the {} chunk has {} bytes, the file has {} left", name, length,
+                                 bytes.size() - at - kChunkHeader_bytes));
   return bytes.substr(at + kChunkHeader_bytes, length);
 }
 
 Result<Json> parse_json(std::string_view text) {
   if (text.size() > kMaxGlbJson_bytes)
-    return Error{ErrorCode::kTooLarge, "GLB: the JSON has " + std::to_string(text.size()) +
-                                           " bytes, the limit is " +
-                                           std::to_string(kMaxGlbJson_bytes)};
+    return Error{ErrorCode::kTooLarge, fmt::format("GLB: the JSON has {} bytes, the limit is {}",
+                                                   text.size(), kMaxGlbJson_bytes)};
   bool too_deep = false;
   const Json::parser_callback_t depth_of = [&too_deep](int depth, Json::parse_event_t, Json&) {
     too_deep = too_deep || depth > static_cast<int>(kMaxGlbDepth);
@@ -75,12 +75,11 @@ Status check_arrays(const Json& json) {
     if (found == json.end()) continue;
     if (!found->is_array()) return glb_error(std::string(kind) + " is not an array");
     if (found->size() > kMaxGlbObjects)
-      return Error{ErrorCode::kTooLarge,
-                   std::string("GLB: ") + kind + " has " + std::to_string(found->size()) +
-                       " entries, the limit is " + std::to_string(kMaxGlbObjects)};
+      return Error{ErrorCode::kTooLarge, fmt::format("GLB: {} has {} entries, the limit is {}",
+                                                     kind, found->size(), kMaxGlbObjects)};
     for (std::size_t i = 0; i < found->size(); ++i)
       if (!(*found)[i].is_object())
-        return glb_error(std::string(kind) + "[" + std::to_string(i) + "] is not an object");
+        return glb_error(fmt::format("{}[{}] is not an object", kind, i));
   }
   return Done{};
 }
@@ -96,8 +95,8 @@ Status check_extensions(const Json& json) {
       continue;
     std::string known;
     for (const char* extension : kKnownExtensions) known += std::string(extension) + ", ";
-    return unsupported("extensionsRequired has '" + printable(text) + "'; known are " + known +
-                       std::string(kMaterials) + "*");
+    return unsupported(fmt::format("extensionsRequired has '{}'; known are {}{}*", printable(text),
+                                   known, kMaterials));
   }
   return Done{};
 }
@@ -107,20 +106,19 @@ Status check_inside(const Json& json, std::size_t binary_bytes) {
     if (const auto found = json.find(kind); found != json.end())
       for (std::size_t i = 0; i < found->size(); ++i)
         if ((*found)[i].contains("uri"))
-          return unsupported(std::string(kind) + "[" + std::to_string(i) +
-                             "] has a uri: everything must be inside of the file");
+          return unsupported(
+              fmt::format("{}[{}] has a uri: everything must be inside of the file", kind, i));
   const auto buffers = json.find("buffers");
   if (buffers == json.end() || buffers->empty()) return Done{};
   if (buffers->size() > 1)
-    return glb_error("there are " + std::to_string(buffers->size()) +
-                     " buffers, a GLB without a uri has one");
+    return glb_error(
+        fmt::format("there are {} buffers, a GLB without a uri has one", buffers->size()));
   const auto length = glb_index((*buffers)[0], "byteLength", "buffers[0]");
   if (!length.ok()) return length.error();
   // The chunk may have up to three bytes more.
   if (!*length || **length > binary_bytes)
-    return glb_error("buffers[0].byteLength is " +
-                     (*length ? std::to_string(**length) : "missing") + ", the binary chunk has " +
-                     std::to_string(binary_bytes) + " bytes");
+    return glb_error(fmt::format("buffers[0].byteLength is {}, the binary chunk has {} bytes",
+                                 *length ? std::to_string(**length) : "missing", binary_bytes));
   return Done{};
 }
 
@@ -132,10 +130,10 @@ Result<GlbDocument> GlbDocument::parse(std::string_view bytes) {
   if (bytes.size() < kHeader_bytes || word_at(bytes, 0) != kMagic)
     return glb_error("the file does not start with 'glTF' and its length");
   if (word_at(bytes, 4) != kVersion)
-    return unsupported("version " + std::to_string(word_at(bytes, 4)) + ", known is 2");
+    return unsupported(fmt::format("version {}, known is 2", word_at(bytes, 4)));
   if (word_at(bytes, 8) > bytes.size())
-    return glb_error("it says that it has " + std::to_string(word_at(bytes, 8)) +
-                     " bytes, there are " + std::to_string(bytes.size()) + ": cut?");
+    return glb_error(fmt::format("it says that it has {} bytes, there are {}: cut?",
+                                 word_at(bytes, 8), bytes.size()));
   bytes = bytes.substr(0, std::max<std::size_t>(word_at(bytes, 8), kHeader_bytes));
   const Result<std::string_view> text = chunk_at(bytes, kHeader_bytes, kJsonKind, "JSON");
   if (!text.ok()) return text.error();
@@ -163,15 +161,14 @@ std::size_t GlbDocument::count(const char* kind) const {
 
 Result<const Json*> GlbDocument::object(const char* kind, std::uint64_t index) const {
   if (index >= count(kind))
-    return glb_error(std::string("there is no ") + kind + "[" + std::to_string(index) +
-                     "], there are " + std::to_string(count(kind)));
+    return glb_error(fmt::format("there is no {}[{}], there are {}", kind, index, count(kind)));
   return &json_.at(kind)[static_cast<std::size_t>(index)];
 }
 
 Result<std::string_view> GlbDocument::view(std::uint64_t index) const {
   const Result<const Json*> view = object("bufferViews", index);
   if (!view.ok()) return view.error();
-  const std::string where = "bufferViews[" + std::to_string(index) + "]";
+  const std::string where = fmt::format("bufferViews[{}]", index);
   const auto buffer = glb_index(**view, "buffer", where),
              offset = glb_index(**view, "byteOffset", where),
              length = glb_index(**view, "byteLength", where);
@@ -182,9 +179,8 @@ Result<std::string_view> GlbDocument::view(std::uint64_t index) const {
   if (!*length) return glb_error(where + ".byteLength is missing");
   const std::uint64_t begin = offset->value_or(0), size = **length;
   if (begin > binary_.size() || size > binary_.size() - begin)
-    return glb_error(where + " has bytes " + std::to_string(begin) + " to " +
-                     std::to_string(begin + size) + ", the binary chunk has " +
-                     std::to_string(binary_.size()));
+    return glb_error(fmt::format("{} has bytes {} to {}, the binary chunk has {}", where, begin,
+                                 begin + size, binary_.size()));
   return binary_.substr(static_cast<std::size_t>(begin), static_cast<std::size_t>(size));
 }
 
@@ -197,12 +193,11 @@ Result<std::optional<std::uint64_t>> glb_index(const Json& object, const char* k
       found->is_number_unsigned() ||
       (found->is_number_float() && found->get<double>() >= 0 && found->get<double>() <= 9e15 &&
        std::floor(found->get<double>()) == found->get<double>());
-  if (!whole) return glb_error(where + "." + key + " is not a whole number");
+  if (!whole) return glb_error(fmt::format("{}.{} is not a whole number", where, key));
   const auto value = found->is_number_unsigned() ? found->get<std::uint64_t>()
                                                  : static_cast<std::uint64_t>(found->get<double>());
   if (value > most)
-    return glb_error(where + "." + key + " is " + std::to_string(value) + ", the limit is " +
-                     std::to_string(most));
+    return glb_error(fmt::format("{}.{} is {}, the limit is {}", where, key, value, most));
   return std::optional<std::uint64_t>(value);
 }
 
@@ -211,8 +206,7 @@ Result<std::optional<std::vector<double>>> glb_numbers(const Json& object, const
                                                        const std::string& where) {
   const auto found = object.find(key);
   if (found == object.end()) return std::optional<std::vector<double>>();
-  const Error wrong =
-      glb_error(where + "." + key + " is not " + std::to_string(count) + " finite numbers");
+  const Error wrong = glb_error(fmt::format("{}.{} is not {} finite numbers", where, key, count));
   if (!found->is_array() || found->size() != count) return wrong;
   std::vector<double> numbers;
   for (const Json& number : *found) {

@@ -1,5 +1,7 @@
 #include "core/import/glb_model.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -41,7 +43,7 @@ std::span<const std::uint8_t> as_span(std::string_view bytes) {
 Result<std::string_view> image_bytes(const GlbDocument& document, std::uint64_t index) {
   const Result<const Json*> image = document.object("images", index);
   if (!image.ok()) return image.error();
-  const std::string where = "images[" + std::to_string(index) + "]";
+  const std::string where = fmt::format("images[{}]", index);
   const auto view = glb_index(**image, "bufferView", where);
   if (!view.ok()) return view.error();
   if (!*view) return glb_error(where + ".bufferView is missing");
@@ -56,14 +58,12 @@ Status check_images(const GlbDocument& document) {
     if (!bytes.ok()) return bytes.error();
     const Result<image::ImageSize> size = image::read_image_size(as_span(*bytes));
     if (!size.ok())
-      return in_context("GLB: images[" + std::to_string(i) + "], which may be JPEG or PNG",
-                        size.error());
+      return in_context(fmt::format("GLB: images[{}], which may be JPEG or PNG", i), size.error());
     pixels += std::int64_t{size->width} * size->height;
     if (pixels > kMaxModelPixels)
-      return Error{ErrorCode::kTooLarge, "GLB: images up to images[" + std::to_string(i) +
-                                             "] have " + std::to_string(pixels) +
-                                             " pixels, the limit is " +
-                                             std::to_string(kMaxModelPixels)};
+      return Error{ErrorCode::kTooLarge,
+                   fmt::format("GLB: images up to images[{}] have {} pixels, the limit is {}", i,
+                               pixels, kMaxModelPixels)};
   }
   return Done{};
 }
@@ -75,7 +75,7 @@ Result<ColorImage> read_image(const GlbDocument& document, std::uint64_t index) 
   if (!size.ok()) return size.error();
   Result<ColorImage> image = image::decode_color(as_span(*bytes), *size);
   return image.ok() ? std::move(image)
-                    : in_context("GLB: images[" + std::to_string(index) + "]", image.error());
+                    : in_context(fmt::format("GLB: images[{}]", index), image.error());
 }
 
 class SceneReader {
@@ -97,16 +97,16 @@ class SceneReader {
   Status add(const GlbPlacement& placement) {
     const Result<const Json*> mesh = document_.object("meshes", placement.mesh);
     if (!mesh.ok()) return mesh.error();
-    const std::string where = "meshes[" + std::to_string(placement.mesh) + "].primitives";
+    const std::string where = fmt::format("meshes[{}].primitives", placement.mesh);
     const auto list = (*mesh)->find("primitives");
     if (list == (*mesh)->end() || !list->is_array() || list->empty())
       return glb_error(where + " is not an array with entries");
     for (std::size_t i = 0; i < list->size(); ++i) {
       // Every primitive that is read costs time, even one without a valid vertex.
       if (primitives_.size() >= kMaxGlbObjects)
-        return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMaxGlbObjects) +
-                                               " primitives in the scene"};
-      const std::string name = where + "[" + std::to_string(i) + "]";
+        return Error{ErrorCode::kTooLarge,
+                     fmt::format("GLB: more than {} primitives in the scene", kMaxGlbObjects)};
+      const std::string name = fmt::format("{}[{}]", where, i);
       if (!(*list)[i].is_object()) return glb_error(name + " is not an object");
       Result<GlbPrimitive> primitive = read_glb_primitive(document_, (*list)[i], name, budget_);
       if (!primitive.ok()) return primitive.error();
@@ -230,8 +230,9 @@ class MeshAssembly {
       swatch.push_back(static_cast<std::size_t>(found - colors.begin()));
       if (found == colors.end()) colors.push_back(color);
       if (colors.size() > kMostSwatches)
-        return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMostSwatches) +
-                                               " material colours in a model with images"};
+        return Error{ErrorCode::kTooLarge,
+                     fmt::format("GLB: more than {} material colours in a model with images",
+                                 kMostSwatches)};
     }
     for (std::size_t k = 0; k < which.size(); ++k) {
       GlbPrimitive& primitive = primitives_[which[k]];

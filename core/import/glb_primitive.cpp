@@ -1,5 +1,7 @@
 #include "core/import/glb_primitive.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "core/import/glb_values.h"
@@ -57,12 +59,13 @@ Status read_texture(const GlbDocument& document, const Json& info, const std::st
       return read;
   const Result<const Json*> object = document.object("textures", **texture);
   if (!object.ok()) return object.error();
-  const auto image = glb_index(**object, "source", "textures[" + std::to_string(**texture) + "]");
+  const auto image = glb_index(**object, "source", fmt::format("textures[{}]", **texture));
   if (!image.ok()) return image.error();
   if (!*image)
     return Error{ErrorCode::kUnsupported,
-                 "GLB: textures[" + std::to_string(**texture) +
-                     "] has no source: its image has a format that needs an unsupported extension"};
+                 fmt::format("GLB: textures[{}] has no source: its image has a format that needs "
+                             "an unsupported extension",
+                             **texture)};
   if (const Result<const Json*> there = document.object("images", **image); !there.ok())
     return there.error();
   material.image = **image;
@@ -91,7 +94,7 @@ Result<GlbMaterial> read_material(const GlbDocument& document, const Json& primi
   const Result<const Json*> object = document.object("materials", **index);
   if (!object.ok()) return object.error();
   material.is_filled = is_filled_material(document, **object);
-  const std::string name = "materials[" + std::to_string(**index) + "].pbrMetallicRoughness";
+  const std::string name = fmt::format("materials[{}].pbrMetallicRoughness", **index);
   const Json* metallic = glb_member(**object, "pbrMetallicRoughness");
   if (!metallic) return material;
   const auto factor = glb_numbers(*metallic, "baseColorFactor", 4, name);
@@ -149,10 +152,9 @@ Status check_same_length(const GlbPrimitive& read, const std::string& where) {
   const auto fits = [count](std::size_t size) { return size == 0 || size == count; };
   if (!fits(read.normals.size()) || !fits(read.colors.size()) ||
       !fits(read.texture_coordinates.size()))
-    return glb_error(where + " has " + std::to_string(count) + " positions, " +
-                     std::to_string(read.normals.size()) + " normals, " +
-                     std::to_string(read.colors.size()) + " colours and " +
-                     std::to_string(read.texture_coordinates.size()) + " texture coordinates");
+    return glb_error(fmt::format(
+        "{} has {} positions, {} normals, {} colours and {} texture coordinates", where, count,
+        read.normals.size(), read.colors.size(), read.texture_coordinates.size()));
   return Done{};
 }
 
@@ -204,7 +206,7 @@ Status read_draco(const GlbDocument& document, const Json& primitive, const std:
   const Json* ids = glb_member(extension, "attributes");
   const Json* attributes = glb_member(primitive, "attributes");
   if (!*view || !ids || !attributes)
-    return glb_error(where + "." + kDraco + " has no bufferView or no attributes");
+    return glb_error(fmt::format("{}.{} has no bufferView or no attributes", where, kDraco));
   const auto position = glb_index(*attributes, "POSITION", where),
              corners = glb_index(primitive, "indices", where);
   if (!position.ok()) return position.error();
@@ -223,7 +225,7 @@ Status read_draco(const GlbDocument& document, const Json& primitive, const std:
         {"NORMAL", &wanted.normal},
         {"COLOR_0", &wanted.color},
         {coordinates.c_str(), &wanted.texture_coordinate}}) {
-    const auto unique_id = glb_index(*ids, name, where + "." + kDraco + ".attributes");
+    const auto unique_id = glb_index(*ids, name, fmt::format("{}.{}.attributes", where, kDraco));
     if (!unique_id.ok()) return unique_id.error();
     if (*unique_id) *id = static_cast<std::int64_t>(**unique_id);
   }
@@ -250,8 +252,9 @@ Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document, const Json&
   if (!mode.ok()) return mode.error();
   const std::uint64_t kind = mode->value_or(kTriangles);
   if (kind != kPoints && kind != kTriangles && kind != kStrip && kind != kFan)
-    return Error{ErrorCode::kUnsupported, "GLB: " + where + ".mode is " + std::to_string(kind) +
-                                              "; known are points (0) and triangles (4, 5, 6)"};
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("GLB: {}.mode is {}; known are points (0) and triangles (4, 5, 6)",
+                             where, kind)};
   read.is_points = kind == kPoints;
   Result<GlbMaterial> material = read_material(document, primitive, where);
   if (!material.ok()) return material.error();
@@ -274,8 +277,8 @@ Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document, const Json&
   if (read.positions.empty()) return glb_error(where + " has no POSITION");
   if (read.triangles.size() > budget.triangles)
     return Error{ErrorCode::kTooLarge,
-                 "GLB: " + where + " has " + std::to_string(read.triangles.size()) +
-                     " triangles, " + std::to_string(budget.triangles) + " are left of the limit"};
+                 fmt::format("GLB: {} has {} triangles, {} are left of the limit", where,
+                             read.triangles.size(), budget.triangles)};
   if (status = check_same_length(read, where); !status.ok()) return status.error();
   for (Eigen::Vector2f& uv : read.texture_coordinates)
     uv = read.material.image_from_uv * Eigen::Vector3f(uv.x(), uv.y(), 1);

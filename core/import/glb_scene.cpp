@@ -1,5 +1,7 @@
 #include "core/import/glb_scene.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 
 #include <optional>
@@ -15,7 +17,7 @@ struct Visit {
   Eigen::Matrix4d world_from_parent = Eigen::Matrix4d::Identity();
 };
 
-std::string name_of_node(std::uint64_t index) { return "nodes[" + std::to_string(index) + "]"; }
+std::string name_of_node(std::uint64_t index) { return fmt::format("nodes[{}]", index); }
 
 // Reads an array of node indices.
 Result<std::vector<std::uint64_t>> node_list(const Json& object, const char* key,
@@ -24,10 +26,10 @@ Result<std::vector<std::uint64_t>> node_list(const Json& object, const char* key
   const auto found = object.find(key);
   if (found == object.end()) return nodes;
   if (!found->is_array() || found->size() > kMaxGlbObjects)
-    return glb_error(where + "." + key + " is not an array of nodes");
+    return glb_error(fmt::format("{}.{} is not an array of nodes", where, key));
   for (const Json& node : *found) {
     if (!node.is_number_unsigned())
-      return glb_error(where + "." + key + " has an entry that is not a node index");
+      return glb_error(fmt::format("{}.{} has an entry that is not a node index", where, key));
     nodes.push_back(node.get<std::uint64_t>());
   }
   return nodes;
@@ -65,7 +67,7 @@ Result<std::vector<std::uint64_t>> root_nodes(const GlbDocument& document) {
   if (*scene || document.count("scenes") > 0) {
     const Result<const Json*> object = document.object("scenes", scene->value_or(0));
     if (!object.ok()) return object.error();
-    return node_list(**object, "nodes", "scenes[" + std::to_string(scene->value_or(0)) + "]");
+    return node_list(**object, "nodes", fmt::format("scenes[{}]", scene->value_or(0)));
   }
   std::vector<bool> is_child(document.count("nodes"), false);
   for (std::size_t i = 0; i < is_child.size(); ++i) {
@@ -91,8 +93,8 @@ class Walk {
       return glb_error("nodes are nested deeper than " + std::to_string(kMaxGlbNodeDepth));
     for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
       if (*node >= seen_.size())
-        return glb_error("there is no " + name_of_node(*node) + ", there are " +
-                         std::to_string(seen_.size()));
+        return glb_error(
+            fmt::format("there is no {}, there are {}", name_of_node(*node), seen_.size()));
       if (seen_[static_cast<std::size_t>(*node)])
         return glb_error(name_of_node(*node) + " is below itself, or below two others");
       seen_[static_cast<std::size_t>(*node)] = true;

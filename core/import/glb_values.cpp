@@ -1,5 +1,7 @@
 #include "core/import/glb_values.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -40,9 +42,7 @@ int components_of(const Json& accessor) {
   return 0;
 }
 
-std::string name_of_accessor(std::uint64_t index) {
-  return "accessors[" + std::to_string(index) + "]";
-}
+std::string name_of_accessor(std::uint64_t index) { return fmt::format("accessors[{}]", index); }
 
 // An accessor whose bytes were checked to be inside its bufferView.
 struct Layout {
@@ -58,7 +58,7 @@ struct Fields {
 
 Result<Fields> fields_of(const Json& accessor, const std::string& where) {
   if (accessor.contains("sparse"))
-    return Error{ErrorCode::kUnsupported, "GLB: " + where + " is sparse"};
+    return Error{ErrorCode::kUnsupported, fmt::format("GLB: {} is sparse", where)};
   const auto view = glb_index(accessor, "bufferView", where),
              offset = glb_index(accessor, "byteOffset", where),
              component = glb_index(accessor, "componentType", where);
@@ -82,24 +82,23 @@ Result<Layout> layout_of(const GlbDocument& document, std::uint64_t index, std::
   Layout layout{{}, *count, 0, fields->component, components_of(accessor)};
   if (layout.components == 0)
     return Error{ErrorCode::kUnsupported,
-                 "GLB: " + where + ".type is not SCALAR, VEC2, VEC3 or VEC4"};
+                 fmt::format("GLB: {}.type is not SCALAR, VEC2, VEC3 or VEC4", where)};
   const auto normalized = accessor.find("normalized");
   layout.normalized = normalized != accessor.end() && *normalized == true;
   const std::uint64_t element =
       bytes_of(layout.component) * static_cast<std::uint64_t>(layout.components);
   const auto stride = glb_index(**document.object("bufferViews", fields->view), "byteStride",
-                                "bufferViews[" + std::to_string(fields->view) + "]", 252);
+                                fmt::format("bufferViews[{}]", fields->view), 252);
   if (!stride.ok()) return stride.error();
   layout.stride = stride->value_or(element);
   if (layout.stride < element)
-    return glb_error(where + " has elements of " + std::to_string(element) +
-                     " bytes with a stride of " + std::to_string(layout.stride));
+    return glb_error(fmt::format("{} has elements of {} bytes with a stride of {}", where, element,
+                                 layout.stride));
   const std::uint64_t size = *count == 0 ? 0 : layout.stride * (*count - 1) + element;
   if (fields->offset > bytes->size() || size > bytes->size() - fields->offset)
-    return glb_error(where + " has " + std::to_string(*count) + " elements in bytes " +
-                     std::to_string(fields->offset) + " to " +
-                     std::to_string(fields->offset + size) + " of a bufferView of " +
-                     std::to_string(bytes->size()));
+    return glb_error(fmt::format("{} has {} elements in bytes {} to {} of a bufferView of {}",
+                                 where, *count, fields->offset, fields->offset + size,
+                                 bytes->size()));
   layout.bytes = bytes->substr(static_cast<std::size_t>(fields->offset));
   return layout;
 }
@@ -140,9 +139,8 @@ Result<std::uint64_t> glb_element_count(const GlbDocument& document, std::uint64
   if (!count.ok()) return count.error();
   if (!*count) return glb_error(name_of_accessor(accessor) + ".count is missing");
   if (**count > most)
-    return Error{ErrorCode::kTooLarge, "GLB: " + name_of_accessor(accessor) + ".count is " +
-                                           std::to_string(**count) + ", " + std::to_string(most) +
-                                           " are left of the limit"};
+    return Error{ErrorCode::kTooLarge, fmt::format("GLB: {}.count is {}, {} are left of the limit",
+                                                   name_of_accessor(accessor), **count, most)};
   return **count;
 }
 
@@ -151,11 +149,10 @@ Result<GlbValues> read_glb_values(const GlbDocument& document, std::uint64_t acc
   const Result<Layout> layout = layout_of(document, accessor, most);
   if (!layout.ok()) return layout.error();
   if (layout->components < least_components || layout->components > most_components)
-    return glb_error(
-        name_of_accessor(accessor) + " has " + std::to_string(layout->components) +
-        " components, " + std::to_string(least_components) +
-        (least_components == most_components ? "" : " to " + std::to_string(most_components)) +
-        " belong there");
+    return glb_error(fmt::format(
+        "{} has {} components, {}{} belong there", name_of_accessor(accessor), layout->components,
+        least_components,
+        least_components == most_components ? "" : " to " + std::to_string(most_components)));
   GlbValues values;
   values.components = layout->components;
   values.numbers.reserve(static_cast<std::size_t>(layout->count) *
@@ -189,9 +186,8 @@ Result<std::vector<std::uint32_t>> read_glb_indices(const GlbDocument& document,
   }
   for (std::size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= end)
-      return glb_error(name_of_accessor(accessor) + ": index " + std::to_string(i) + " is " +
-                       std::to_string(indices[i]) + ", there are " + std::to_string(end) +
-                       " vertices");
+      return glb_error(fmt::format("{}: index {} is {}, there are {} vertices",
+                                   name_of_accessor(accessor), i, indices[i], end));
   return indices;
 }
 

@@ -1,5 +1,7 @@
 #include "core/import/model.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -36,9 +38,9 @@ std::string metres(double value) {
 }
 
 std::string three(const Eigen::Vector3f& extent_m) {
-  return metres(static_cast<double>(extent_m.x())) + " x " +
-         metres(static_cast<double>(extent_m.y())) + " x " +
-         metres(static_cast<double>(extent_m.z()));
+  return fmt::format("{} x {} x {}", metres(static_cast<double>(extent_m.x())),
+                     metres(static_cast<double>(extent_m.y())),
+                     metres(static_cast<double>(extent_m.z())));
 }
 
 Result<ImportedModel> read_ply_model(std::string_view bytes, const ImportOptions& options) {
@@ -150,9 +152,9 @@ Status check_extent(ImportedModel& model) {
   if (extent_m.maxCoeff() <= kMaxModelExtent_m && farthest_m <= 2 * kMaxModelExtent_m)
     return Done{};
   return Error{ErrorCode::kTooLarge,
-               std::string(model.format) + ": it spans " + three(extent_m.cast<float>()) +
-                   ", the limit is " + metres(kMaxModelExtent_m) +
-                   "; for a file in millimetres use the scale 0.001 (--scale)"};
+               fmt::format("{}: it spans {}, the limit is {}; for a file in millimetres use the "
+                           "scale 0.001 (--scale)",
+                           model.format, three(extent_m.cast<float>()), metres(kMaxModelExtent_m))};
 }
 
 }  // namespace
@@ -183,8 +185,9 @@ Result<ImportOptions> parse_import_options(const std::map<std::string, std::stri
         if (value == name_of(axis)) options.up = axis;
       if (!options.up) return Error{ErrorCode::kInvalidArgument, "up must be y, z or -y"};
     } else {
-      return Error{ErrorCode::kInvalidArgument,
-                   "'" + key.substr(0, 40) + "' is not an import setting; known are scale and up"};
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("'{}' is not an import setting; known are scale and up", key.substr(0, 40))};
     }
   }
   return options;
@@ -201,9 +204,8 @@ bool is_model(std::string_view first_bytes) { return is_ply(first_bytes) || is_g
 
 Result<ImportedModel> read_model(std::string_view bytes, const ImportOptions& options) {
   if (bytes.size() > kMaxModel_bytes)
-    return Error{ErrorCode::kTooLarge, "the file has " + std::to_string(bytes.size()) +
-                                           " bytes, the limit is " +
-                                           std::to_string(kMaxModel_bytes)};
+    return Error{ErrorCode::kTooLarge, fmt::format("the file has {} bytes, the limit is {}",
+                                                   bytes.size(), kMaxModel_bytes)};
   if (!is_model(bytes))
     return Error{ErrorCode::kCorruptData,
                  "the file is neither PLY nor GLB: it starts with neither 'ply' nor 'glTF'"};
@@ -216,11 +218,11 @@ Result<ImportedModel> read_model(std::string_view bytes, const ImportOptions& op
     leave_out_bad_points(*model);
   if (!model->is_mesh() && model->cloud.empty())
     return Error{ErrorCode::kCorruptData,
-                 std::string(model->format) + ": there is nothing in it" +
-                     (model->left_out_vertices > 0
-                          ? ": the positions of all " + std::to_string(model->left_out_vertices) +
-                                " vertices are not finite"
-                          : "")};
+                 fmt::format("{}: there is nothing in it{}", model->format,
+                             model->left_out_vertices > 0
+                                 ? fmt::format(": the positions of all {} vertices are not finite",
+                                               model->left_out_vertices)
+                                 : "")};
   if (const Status status = check_extent(*model); !status.ok()) return status.error();
   return model;
 }
@@ -236,25 +238,27 @@ Result<bool> is_model_file(const std::string& path) {
 std::vector<std::string> remarks_about(const ImportedModel& model, const ImportOptions& options) {
   const Eigen::Vector3f extent_m = model.high_m - model.low_m;
   std::vector<std::string> remarks;
-  remarks.push_back(
-      std::string(model.format) + ": " +
-      (model.is_mesh() ? std::to_string(model.mesh.triangles.size()) + " triangles, " +
-                             std::to_string(model.mesh.positions_m.size()) + " vertices" +
-                             (model.mesh.pages.empty()
-                                  ? ""
-                                  : ", " + std::to_string(model.mesh.pages.size()) + " image(s)")
-                       : std::to_string(model.cloud.size()) + " points" +
-                             (model.has_normals() ? "" : ", without normals")) +
-      "; " + three(extent_m) + " (right, down, forward); " + name_of(model.up) + " is up.");
+  remarks.push_back(fmt::format(
+      "{}: {}; {} (right, down, forward); {} is up.", model.format,
+      model.is_mesh() ? fmt::format("{} triangles, {} vertices{}", model.mesh.triangles.size(),
+                                    model.mesh.positions_m.size(),
+                                    model.mesh.pages.empty()
+                                        ? ""
+                                        : fmt::format(", {} image(s)", model.mesh.pages.size()))
+                      : fmt::format("{} points{}", model.cloud.size(),
+                                    model.has_normals() ? "" : ", without normals"),
+      three(extent_m), name_of(model.up)));
   const double longest_m = static_cast<double>(extent_m.maxCoeff());
   if (longest_m > kLarge_m && options.scale == 1)
-    remarks.push_back("It spans " + metres(longest_m) +
-                      ", taken as metres: if the file is in millimetres, import it with the scale "
-                      "0.001 (--scale 0.001).");
+    remarks.push_back(
+        fmt::format("It spans {}, taken as metres: if the file is in millimetres, import it with "
+                    "the scale 0.001 (--scale 0.001).",
+                    metres(longest_m)));
   if (longest_m < kSmall_m && options.scale == 1)
-    remarks.push_back("It spans " + metres(longest_m) +
-                      ", taken as metres: if the file is in another unit, import it with a scale "
-                      "(--scale 1000 for kilometres).");
+    remarks.push_back(
+        fmt::format("It spans {}, taken as metres: if the file is in another unit, import it with "
+                    "a scale (--scale 1000 for kilometres).",
+                    metres(longest_m)));
   if (!model.origin.isZero()) {
     char text[160];
     std::snprintf(text, sizeof text,
@@ -264,11 +268,10 @@ std::vector<std::string> remarks_about(const ImportedModel& model, const ImportO
     remarks.emplace_back(text);
   }
   if (model.left_out_vertices > 0)
-    remarks.push_back(std::to_string(model.left_out_vertices) +
-                      " vertices are not finite and left out" +
-                      (model.left_out_triangles > 0
-                           ? ", with " + std::to_string(model.left_out_triangles) + " triangles."
-                           : "."));
+    remarks.push_back(fmt::format(
+        "{} vertices are not finite and left out{}", model.left_out_vertices,
+        model.left_out_triangles > 0 ? fmt::format(", with {} triangles.", model.left_out_triangles)
+                                     : "."));
   return remarks;
 }
 
