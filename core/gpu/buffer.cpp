@@ -1,5 +1,7 @@
 #include "core/gpu/buffer.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstring>
 #include <initializer_list>
@@ -46,10 +48,11 @@ RawBuffer::RawBuffer(Device& device, std::size_t bytes, std::size_t element_byte
       bytes_(bytes),
       allocated_bytes_((std::max<VkDeviceSize>(bytes, 1) + 3) / 4 * 4),
       purpose_(std::move(purpose)) {
-  const std::string wanted = bytes_as_text(bytes) + " for '" + purpose_ + "'";
+  const std::string wanted = fmt::format("{} for '{}'", bytes_as_text(bytes), purpose_);
   if (bytes > device.info().max_buffer_bytes)
-    throw DeviceError("the GPU " + device.info().name + " has no buffers of " + wanted +
-                      ", its limit is " + bytes_as_text(device.info().max_buffer_bytes));
+    throw DeviceError(fmt::format("the GPU {} has no buffers of {}, its limit is {}",
+                                  device.info().name, wanted,
+                                  bytes_as_text(device.info().max_buffer_bytes)));
   try {
     allocate(memory);
     make_texels(element_bytes);
@@ -59,9 +62,9 @@ RawBuffer::RawBuffer(Device& device, std::size_t bytes, std::size_t element_byte
     std::int64_t used_bytes = 0;
     for (const auto& [other_purpose, live_bytes] : device.memory_by_purpose())
       used_bytes += live_bytes;
-    throw DeviceError("no buffer of " + wanted + " beside " +
-                      bytes_as_text(static_cast<std::uint64_t>(used_bytes)) +
-                      " in use: " + error.what());
+    throw DeviceError(fmt::format("no buffer of {} beside {} in use: {}", wanted,
+                                  bytes_as_text(static_cast<std::uint64_t>(used_bytes)),
+                                  error.what()));
   }
 }
 
@@ -156,7 +159,7 @@ RawBuffer& RawBuffer::operator=(RawBuffer&& other) noexcept {
 
 void RawBuffer::upload(const void* source, std::size_t bytes, std::size_t first_byte) {
   CHECK(bytes <= bytes_ && first_byte <= bytes_ - bytes,
-        "upload outside the buffer '" + purpose_ + "'");
+        fmt::format("upload outside the buffer '{}'", purpose_));
   if (bytes == 0) return;
   if (mapped_)
     std::memcpy(static_cast<std::byte*>(mapped_) + first_byte, source, bytes);
@@ -166,7 +169,7 @@ void RawBuffer::upload(const void* source, std::size_t bytes, std::size_t first_
 
 void RawBuffer::download(void* target, std::size_t bytes, std::size_t first_byte) const {
   CHECK(bytes <= bytes_ && first_byte <= bytes_ - bytes,
-        "download outside the buffer '" + purpose_ + "'");
+        fmt::format("download outside the buffer '{}'", purpose_));
   if (bytes == 0) return;
   if (mapped_)
     std::memcpy(target, static_cast<const std::byte*>(mapped_) + first_byte, bytes);

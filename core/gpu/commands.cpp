@@ -1,5 +1,7 @@
 #include "core/gpu/commands.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <string>
@@ -46,11 +48,11 @@ VkCommandBuffer Commands::next() {
 void Commands::bind(const Kernel& kernel, Constants constants,
                     std::initializer_list<NamedBuffer> buffers) {
   CHECK(buffers.size() == kernel.bindings().size(),
-        kernel.name() + " binds " + std::to_string(kernel.bindings().size()) + " buffers, not " +
-            std::to_string(buffers.size()));
+        fmt::format("{} binds {} buffers, not {}", kernel.name(), kernel.bindings().size(),
+                    buffers.size()));
   CHECK(constants.size == (kernel.push_constant_bytes() + std::size_t{3}) / 4 * 4,
-        kernel.name() + " takes " + std::to_string(kernel.push_constant_bytes()) +
-            " bytes of parameters, not " + std::to_string(constants.size));
+        fmt::format("{} takes {} bytes of parameters, not {}", kernel.name(),
+                    kernel.push_constant_bytes(), constants.size));
   VkCommandBuffer commands = next();
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline());
   bind_buffers(kernel, buffers);
@@ -68,9 +70,8 @@ void Commands::record(const Kernel& kernel, Threads threads, Constants constants
     if (groups[axis] == 0) return;
     const std::uint32_t limit = device_.limits().maxComputeWorkGroupCount[axis];
     if (groups[axis] > limit)
-      throw DeviceError(kernel.name() + ": " + std::to_string(groups[axis]) +
-                        " work groups along axis " + std::to_string(axis) +
-                        ", the device has at most " + std::to_string(limit));
+      throw DeviceError(fmt::format("{}: {} work groups along axis {}, the device has at most {}",
+                                    kernel.name(), groups[axis], axis, limit));
   }
   bind(kernel, constants, buffers);
   vkCmdDispatch(commands_.vk(), groups[0], groups[1], groups[2]);
@@ -97,15 +98,15 @@ void Commands::bind_buffers(const Kernel& kernel, std::initializer_list<NamedBuf
   std::uint32_t count = 0;
   for (const auto& [name, buffer] : buffers) {
     const std::string& expected = kernel.binding_names()[count];
-    CHECK(name == expected, kernel.name() + ": buffer " + std::to_string(count) + " is '" +
-                                expected + "', not '" + std::string(name) + "'");
-    CHECK(buffer.buffer != VK_NULL_HANDLE, kernel.name() + ": " + expected + " is empty");
+    CHECK(name == expected,
+          fmt::format("{}: buffer {} is '{}', not '{}'", kernel.name(), count, expected, name));
+    CHECK(buffer.buffer != VK_NULL_HANDLE, fmt::format("{}: {} is empty", kernel.name(), expected));
     const Binding kind = kernel.bindings()[count];
     if (kind == Binding::kTexels && buffer.texels == VK_NULL_HANDLE)
-      throw DeviceError(
-          kernel.name() + ": " + expected + " of " + std::to_string(buffer.bytes) +
-          " bytes cannot be read as texels: none is whole, or they are more than the device's " +
-          std::to_string(device_.limits().maxTexelBufferElements));
+      throw DeviceError(fmt::format(
+          "{}: {} of {} bytes cannot be read as texels: none is whole, or they are more than the "
+          "device's {}",
+          kernel.name(), expected, buffer.bytes, device_.limits().maxTexelBufferElements));
     infos[count] = {buffer.buffer, 0, buffer.bytes};
     VkWriteDescriptorSet& write = writes[count];
     write = {};

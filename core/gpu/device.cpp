@@ -1,5 +1,7 @@
 #include "core/gpu/device.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <exception>
 
@@ -109,8 +111,8 @@ void Device::open(VkPhysicalDevice physical) {
     push_descriptors_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
         vkGetDeviceProcAddr(vk(), "vkCmdPushDescriptorSetKHR"));
     if (!push_descriptors_)
-      throw DeviceError("cannot open the GPU " + info_.name +
-                        ": its driver lacks vkCmdPushDescriptorSetKHR");
+      throw DeviceError(fmt::format(
+          "cannot open the GPU {}: its driver lacks vkCmdPushDescriptorSetKHR", info_.name));
   }
   read_properties(physical);
   VkPipelineCacheCreateInfo cache{};
@@ -192,7 +194,7 @@ void Device::add_pass_time(std::uint32_t slot, double ms) {
 
 void Device::throw_if_lost() const {
   if (!lost_.empty())
-    throw DeviceError("the GPU " + info_.name + " cannot be used any more: " + lost_);
+    throw DeviceError(fmt::format("the GPU {} cannot be used any more: {}", info_.name, lost_));
 }
 
 void Device::submit_and_wait(VkCommandBuffer commands, VkFence fence,
@@ -210,7 +212,7 @@ void Device::submit_and_wait(VkCommandBuffer commands, VkFence fence,
   VkResult result = vkWaitForFences(vk(), 1, &fence, VK_TRUE, static_cast<std::uint64_t>(limit_ns));
   if (result == VK_TIMEOUT) {
     hung_on_ = fence;
-    lost_ = "it hung, no answer within " + std::to_string(limit.count()) + " ms";
+    lost_ = fmt::format("it hung, no answer within {} ms", limit.count());
     throw_if_lost();
   }
   if (result == VK_SUCCESS) result = vkResetFences(vk(), 1, &fence);

@@ -1,5 +1,7 @@
 #include "core/gpu/device_check.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 
@@ -86,9 +88,9 @@ DeviceCheck check_device(const std::string& select) {
     check.heaps.push_back({heap.size, (heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) != 0});
   }
   if (check.info.memory_bytes < kLeastMemoryBytes)
-    check.problems.push_back("only " + bytes_as_text(check.info.memory_bytes) +
-                             " of GPU memory, a scan wants at least " +
-                             bytes_as_text(kLeastMemoryBytes));
+    check.problems.push_back(fmt::format("only {} of GPU memory, a scan wants at least {}",
+                                         bytes_as_text(check.info.memory_bytes),
+                                         bytes_as_text(kLeastMemoryBytes)));
   compile_all(device, check);
   try {
     measure_copies(device, check);

@@ -1,5 +1,7 @@
 #include "core/gpu/device_info.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cctype>
 #include <optional>
@@ -49,8 +51,8 @@ const char* name_of(DeviceKind kind) {
 }
 
 std::string as_text(const DeviceInfo& info) {
-  std::string text = std::to_string(info.index) + ": " + info.name + " (" + name_of(info.kind) +
-                     ", " + info.driver + ")";
+  std::string text =
+      fmt::format("{}: {} ({}, {})", info.index, info.name, name_of(info.kind), info.driver);
   if (!info.unsuitable.empty()) text += " cannot be used: " + info.unsuitable;
   return text;
 }
@@ -78,8 +80,8 @@ std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::str
   }
   if (best) return *best;
   if (select.empty()) refuse(devices, "no usable GPU");
-  refuse(devices, any_match ? "the GPU selected by '" + select + "' cannot be used"
-                            : "no GPU matches '" + select + "'");
+  refuse(devices, any_match ? fmt::format("the GPU selected by '{}' cannot be used", select)
+                            : fmt::format("no GPU matches '{}'", select));
 }
 
 }  // namespace hermite::gpu

@@ -1,6 +1,6 @@
 #include "core/gpu/error.h"
 
-#include <cstdio>
+#include <fmt/core.h>
 
 namespace hermite::gpu {
 
@@ -25,20 +25,15 @@ std::string as_text(VkResult result) {
 }
 
 void throw_if_failed(VkResult result, const char* action) {
-  if (result < 0) throw DeviceError("cannot " + std::string(action) + ": " + as_text(result));
+  if (result < 0) throw DeviceError(fmt::format("cannot {}: {}", action, as_text(result)));
 }
 
 std::string bytes_as_text(std::uint64_t bytes) {
   constexpr double kMiB = 1024.0 * 1024.0, kGiB = 1024.0 * kMiB;
   const double value = static_cast<double>(bytes);
-  char text[64];
-  if (value >= kGiB)
-    std::snprintf(text, sizeof text, "%.1f GiB", value / kGiB);
-  else if (value >= kMiB)
-    std::snprintf(text, sizeof text, "%.1f MiB", value / kMiB);
-  else
-    std::snprintf(text, sizeof text, "%llu bytes", static_cast<unsigned long long>(bytes));
-  return text;
+  if (value >= kGiB) return fmt::format("{:.1f} GiB", value / kGiB);
+  if (value >= kMiB) return fmt::format("{:.1f} MiB", value / kMiB);
+  return fmt::format("{} bytes", bytes);
 }
 
 }  // namespace hermite::gpu

@@ -1,6 +1,7 @@
 #include "core/gpu/instance.h"
 
 #include <dlfcn.h>
+#include <fmt/core.h>
 #include <link.h>
 
 #include <algorithm>
@@ -125,9 +126,10 @@ struct Without {
       else if (word == "64-bit-atomics")
         without.atomics_64_bit = true;
       else
-        throw SetupError(Error{ErrorCode::kDevice,
-                               "HERMITE_GPU_WITHOUT: '" + word +
-                                   "' is none of push-descriptors, texel-buffers, 64-bit-atomics"});
+        throw SetupError(
+            Error{ErrorCode::kDevice, fmt::format("HERMITE_GPU_WITHOUT: '{}' is none of "
+                                                  "push-descriptors, texel-buffers, 64-bit-atomics",
+                                                  word)});
     }
     return without;
   }

@@ -1,5 +1,7 @@
 #include "core/gpu/kernel.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <optional>
 #include <span>
@@ -15,7 +17,7 @@ const EmbeddedKernel& find_embedded(ReadAs read_as, std::string_view name) {
   const std::span<const EmbeddedKernel> all = embedded_kernels(read_as);
   const auto found = std::find_if(
       all.begin(), all.end(), [name](const EmbeddedKernel& kernel) { return kernel.name == name; });
-  CHECK(found != all.end(), "there is no shader '" + std::string(name) + "'");
+  CHECK(found != all.end(), fmt::format("there is no shader '{}'", name));
   return *found;
 }
 
@@ -49,7 +51,7 @@ Kernel::Kernel(Device& device, std::string_view name,
     create_pipeline(specialization);
   } catch (const DeviceError& error) {
     release();
-    throw DeviceError("shader '" + name_ + "': " + error.what());
+    throw DeviceError(fmt::format("shader '{}': {}", name_, error.what()));
   }
 }
 
@@ -64,34 +66,32 @@ void Kernel::specialise_local_size(const std::vector<std::uint32_t>& specializat
 
 void Kernel::check_limits() const {
   if (shader_->interface.needs_64_bit_atomics && !device_->info().has_64_bit_atomics)
-    throw DeviceError("shader '" + name_ + "': the device has no 64-bit atomics");
+    throw DeviceError(fmt::format("shader '{}': the device has no 64-bit atomics", name_));
   const VkPhysicalDeviceLimits& limits = device_->limits();
   std::uint64_t invocations = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::uint32_t size = local_size_[axis];
-    CHECK(size > 0, "shader '" + name_ + "': a local size of 0");
+    CHECK(size > 0, fmt::format("shader '{}': a local size of 0", name_));
     if (size > limits.maxComputeWorkGroupSize[axis]) invocations = UINT32_MAX;  // rejected below
     invocations *= size;
   }
   if (invocations > limits.maxComputeWorkGroupInvocations)
-    throw DeviceError("shader '" + name_ +
-                      "': the device's work groups are smaller than the shader's");
+    throw DeviceError(
+        fmt::format("shader '{}': the device's work groups are smaller than the shader's", name_));
   const auto texel_count = static_cast<std::uint32_t>(
       std::count(bindings().begin(), bindings().end(), Binding::kTexels));
   const auto buffer_count = static_cast<std::uint32_t>(bindings().size());
   if (buffer_count > device_->max_bindings() ||
       texel_count > limits.maxPerStageDescriptorSampledImages ||
       buffer_count - texel_count > limits.maxPerStageDescriptorStorageBuffers)
-    throw DeviceError("shader '" + name_ + "': " + std::to_string(buffer_count) + " buffers, " +
-                      std::to_string(texel_count) + " of them as texels; the device binds " +
-                      std::to_string(device_->max_bindings()) + ", " +
-                      std::to_string(limits.maxPerStageDescriptorStorageBuffers) +
-                      " of them as storage and " +
-                      std::to_string(limits.maxPerStageDescriptorSampledImages) + " as texels");
+    throw DeviceError(fmt::format(
+        "shader '{}': {} buffers, {} of them as texels; the device binds {}, {} of them as storage "
+        "and {} as texels",
+        name_, buffer_count, texel_count, device_->max_bindings(),
+        limits.maxPerStageDescriptorStorageBuffers, limits.maxPerStageDescriptorSampledImages));
   if (push_constant_bytes() > limits.maxPushConstantsSize)
-    throw DeviceError("shader '" + name_ + "': " + std::to_string(push_constant_bytes()) +
-                      " bytes of push constants, the device takes " +
-                      std::to_string(limits.maxPushConstantsSize));
+    throw DeviceError(fmt::format("shader '{}': {} bytes of push constants, the device takes {}",
+                                  name_, push_constant_bytes(), limits.maxPushConstantsSize));
 }
 
 void Kernel::create_layout() {

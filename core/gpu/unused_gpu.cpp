@@ -1,5 +1,6 @@
 #include "core/gpu/unused_gpu.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -33,7 +34,7 @@ std::string unused_gpu_message(const DeviceInfo& used, const std::string& device
   const std::string file = device_file(device_files, is_nvidia);
   if (file.empty()) return "";
   const std::string message =
-      "the machine has a GPU (" + file + "), but scans run on the processor: ";
+      fmt::format("the machine has a GPU ({}), but scans run on the processor: ", file);
   if (access(file.c_str(), R_OK | W_OK) != 0)
     return message + "this user may not open it; on Debian the groups render and video may";
   // Named by the maintainers of NVIDIA's container toolkit,
