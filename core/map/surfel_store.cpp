@@ -1,5 +1,7 @@
 #include "core/map/surfel_store.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <bit>
 #include <string>
@@ -46,9 +48,9 @@ SurfelStore::SurfelStore(gpu::Device& device, std::uint32_t max_slots)
 
 void SurfelStore::reserve(std::uint32_t additional) {
   if (!has_room_for(additional))
-    throw gpu::DeviceError("the map is full: it has " + std::to_string(slot_count()) +
-                           " surfels on the device, at most " + std::to_string(max_slots_) +
-                           " fit");
+    throw gpu::DeviceError(
+        fmt::format("the map is full: it has {} surfels on the device, at most {} fit",
+                    slot_count(), max_slots_));
   const std::uint32_t wanted = slot_count() + additional;
   if (wanted <= capacity_) return;
   const std::uint32_t block_count =
@@ -106,8 +108,7 @@ void SurfelStore::append(std::span<const Surfel> surfels) {
   const std::uint32_t first_block = (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock,
                       first = first_block * kSlotsPerBlock;
   if (surfels.size() > max_slots_)
-    throw gpu::DeviceError("the map has no room for " + std::to_string(surfels.size()) +
-                           " surfels");
+    throw gpu::DeviceError(fmt::format("the map has no room for {} surfels", surfels.size()));
   reserve(first - slot_count() + static_cast<std::uint32_t>(surfels.size()));
   upload(arrays_of(surfels), first_block);
   shared::MapState after = counters();
