@@ -1,8 +1,9 @@
 #include "core/track/calibration_doubt.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace hermite::track {
 
@@ -15,26 +16,21 @@ constexpr double kLeastBend = 0.008, kDoubtSigmas = 5;
 
 std::string CalibrationDoubt::reason() const {
   const auto by_about = [](double off) {
-    char text[48];
-    std::snprintf(text, sizeof text, " too %s by about %.1f %%", off > 0 ? "great" : "small",
-                  100 * std::abs(off));
-    return std::string(text);
+    return fmt::format("too {} by about {:.1f} %", off > 0 ? "great" : "small",
+                       100 * std::abs(off));
   };
-  const std::string no_fit = "the camera's calibration does not fit: ";
+  const std::string no_fit = "the camera's calibration does not fit:";
   if (std::abs(bend) >= std::max(kLeastBend, kDoubtSigmas * deviation))
-    return no_fit + "depth in the corners of the image is" + by_about(bend);
-  if (certain.focal != 0) return no_fit + "its focal length is" + by_about(certain.focal);
-  char text[96];
-  if (certain.k1 != 0) {
-    std::snprintf(text, sizeof text, "the distortion of its lens, k1, is too %s by about %.3f",
-                  certain.k1 > 0 ? "great" : "small", std::abs(certain.k1));
-    return no_fit + text;
-  }
+    return fmt::format("{} depth in the corners of the image is {}", no_fit, by_about(bend));
+  if (certain.focal != 0)
+    return fmt::format("{} its focal length is {}", no_fit, by_about(certain.focal));
+  if (certain.k1 != 0)
+    return fmt::format("{} the distortion of its lens, k1, is too {} by about {:.3f}", no_fit,
+                       certain.k1 > 0 ? "great" : "small", std::abs(certain.k1));
   if (certain.timing_s == 0) return "";
-  std::snprintf(text, sizeof text,
-                "the time at which rows of its images are taken is wrong by about %.0f ms",
-                1e3 * certain.timing_s);
-  return no_fit + text;
+  return fmt::format(
+      "{} the time at which rows of its images are taken is wrong by about {:.0f} ms", no_fit,
+      1e3 * certain.timing_s);
 }
 
 }  // namespace hermite::track

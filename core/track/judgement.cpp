@@ -1,5 +1,7 @@
 #include "core/track/judgement.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -105,7 +107,7 @@ std::string why_lost(const TrackingEvidence& e, const TrackOptions& options) {
   if (shows_nothing(e.content)) return "dark or blurred: the picture shows nothing";
   const double turned_rad = std::max(e.turn_seen_rad, turn_rad(e.reference_from_camera));
   if (first && turned_rad > kFastTurn_rad)
-    return "too fast: the camera turned by " + degrees(turned_rad) + " between two frames";
+    return fmt::format("too fast: the camera turned by {} between two frames", degrees(turned_rad));
   if (e.observability < kNoiseObservability) return "blank surface: nothing to hold on to";
   return "too little in common with the scan so far";
 }
@@ -134,23 +136,24 @@ bool is_held_by_corners(const CornerAgreement& corners) {
 std::string why_weak(const TrackingEvidence& e, const TrackOptions& options) {
   const Agreement& a = e.agreement;
   if (e.inlier_share < kFewInliers && !is_held_by_corners(e.corners))
-    return "too few points: only " + percent(e.inlier_share) + " of the image can be used";
+    return fmt::format("too few points: only {} of the image can be used", percent(e.inlier_share));
   if (e.is_divided)
     return "moving: large parts of the view go different ways, and which is the room cannot be "
            "told";
   if (a.overlap < kGoodOverlap)
-    return "too little in common: only " + percent(a.overlap) + " of the view has been scanned";
+    return fmt::format("too little in common: only {} of the view has been scanned",
+                       percent(a.overlap));
   if (a.agreeing < kGoodAgreement && a.in_front > 0.5 * (1 - a.agreeing))
     return "occluded: something is in front of what was scanned";
   if (a.agreeing < kGoodAgreement)
-    return "too little in common: " + percent(1 - a.agreeing) +
-           " of what was scanned is not where it was";
+    return fmt::format("too little in common: {} of what was scanned is not where it was",
+                       percent(1 - a.agreeing));
   const double moved_m = step_m(e.reference_from_camera),
                turned_rad = turn_rad(e.reference_from_camera);
   if (moved_m > 0.5 * options.max_step_m)
-    return "too fast: " + centimetres(moved_m) + " between two frames";
+    return fmt::format("too fast: {} between two frames", centimetres(moved_m));
   if (turned_rad > kFastTurn_rad)
-    return "too fast: the camera turned by " + degrees(turned_rad) + " between two frames";
+    return fmt::format("too fast: the camera turned by {} between two frames", degrees(turned_rad));
   if (e.observability < kNoiseObservability) return "blank surface: little to hold on to";
   return "";
 }
@@ -249,20 +252,21 @@ Judgement weighed(Judgement judgement, const Doubts& doubts) {
   const double sigma_m = doubts.uncertainty.position_sigma_m();
   if (apart.sigmas > kContradictingSigmas &&
       (apart.distance_m > kContradicting_m || apart.turn_rad > kContradicting_rad))
-    judgement.reason = std::string(apart.first) + " and " + apart.second + " disagree: by " +
-                       centimetres(apart.distance_m) + " and " + degrees(apart.turn_rad);
+    judgement.reason = fmt::format("{} and {} disagree: by {} and {}", apart.first, apart.second,
+                                   centimetres(apart.distance_m), degrees(apart.turn_rad));
   if (doubts.uncertainty.elsewhere_m > 0)
     judgement.reason =
         "unconfirmed: this may be a place that looks the same; show more of what was seen before";
   if (doubts.uncertainty.steps.terrace_m > kMostTerrace_m)
-    judgement.reason = "depth is measured in steps of " +
-                       centimetres(doubts.uncertainty.steps.step_m) +
-                       ", which its noise does not average out: the camera may follow the steps";
+    judgement.reason = fmt::format(
+        "depth is measured in steps of {}, which its noise does not average out: the camera may "
+        "follow the steps",
+        centimetres(doubts.uncertainty.steps.step_m));
   if (!doubts.calibration.reason().empty()) judgement.reason = doubts.calibration.reason();
   if (judgement.reason.empty() &&
       sigma_m > kMostUncertain_m + kMostDrift * doubts.uncertainty.way_m)
-    judgement.reason =
-        "uncertain: the camera may be " + centimetres(2 * sigma_m) + " from where it seems to be";
+    judgement.reason = fmt::format("uncertain: the camera may be {} from where it seems to be",
+                                   centimetres(2 * sigma_m));
   if (!judgement.reason.empty()) judgement.status = TrackingStatus::kWeak;
   return judgement;
 }
