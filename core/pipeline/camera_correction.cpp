@@ -1,5 +1,7 @@
 #include "core/pipeline/camera_correction.h"
 
+#include <fmt/core.h>
+
 #include <cstdio>
 
 namespace hermite::pipeline {
@@ -15,7 +17,7 @@ std::string camera_correction_message(const Camera& given, const Camera& correct
                   : is_share ? "%+.2f "
                              : "%+.1f ",
                   change);
-    changes += (changes.empty() ? "" : ", ") + std::string(what) + " by " + number + unit;
+    changes += fmt::format("{}{} by {}{}", changes.empty() ? "" : ", ", what, number, unit);
   };
   const ImageTiming &before = given.timing, &after = corrected.timing;
   add("focal length", 100 * (corrected.fx / given.fx - 1), "%");

@@ -1,6 +1,7 @@
 #include "core/pipeline/checkpoint.h"
 
 #include <elf.h>
+#include <fmt/core.h>
 #include <link.h>
 
 #include <algorithm>
@@ -33,26 +34,24 @@ std::string condition_text(const Distortion& lens) {
 std::string condition_text(const ColorCamera& color) {
   const Eigen::Quaterniond& q = color.color_from_depth.rotation;
   const Eigen::Vector3d& t = color.color_from_depth.translation;
-  return condition_text({color.fx, color.fy, color.cx, color.cy}) + " " +
-         condition_text(color.distortion) + " " +
-         condition_text({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
+  return fmt::format("{} {} {}", condition_text({color.fx, color.fy, color.cx, color.cy}),
+                     condition_text(color.distortion),
+                     condition_text({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()}));
 }
 
 std::string condition_text(const Camera& camera) {
-  return std::to_string(camera.width) + "x" + std::to_string(camera.height) + " " +
-         condition_text(
-             {camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) +
-         " " + condition_text(camera.distortion) +
-         (camera.color ? " " + condition_text(*camera.color) : "") +
-         (camera.depth_correction == DepthCorrection{}
-              ? ""
-              : " depth " + condition_text({camera.depth_correction.bend,
-                                            camera.depth_correction.inverse_offset_per_m})) +
-         (camera.timing == ImageTiming{}
-              ? ""
-              : " timing " +
-                    condition_text({camera.timing.depth_readout_s, camera.timing.color_readout_s,
-                                    camera.timing.color_delay_s}));
+  return fmt::format(
+      "{}x{} {} {}{}{}{}", camera.width, camera.height,
+      condition_text({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}),
+      condition_text(camera.distortion), camera.color ? " " + condition_text(*camera.color) : "",
+      camera.depth_correction == DepthCorrection{}
+          ? ""
+          : " depth " + condition_text({camera.depth_correction.bend,
+                                        camera.depth_correction.inverse_offset_per_m}),
+      camera.timing == ImageTiming{} ? ""
+                                     : " timing " + condition_text({camera.timing.depth_readout_s,
+                                                                    camera.timing.color_readout_s,
+                                                                    camera.timing.color_delay_s}));
 }
 
 // Returns the content of the note NT_GNU_BUILD_ID of one segment, or an empty string.
@@ -129,9 +128,9 @@ Status read_head(ByteReader& bytes, const Conditions& conditions) {
     if (found[i].first != name)
       return Error{ErrorCode::kUnsupported, "the checkpoint lacks " + name};
     if (found[i].second != value)
-      return Error{ErrorCode::kUnsupported, "the checkpoint was made where " + name + " is '" +
-                                                found[i].second + "', but here it is '" + value +
-                                                "'"};
+      return Error{ErrorCode::kUnsupported,
+                   fmt::format("the checkpoint was made where {} is '{}', but here it is '{}'",
+                               name, found[i].second, value)};
   }
   if (found.size() != conditions.size())
     return Error{ErrorCode::kUnsupported, "the checkpoint was made with other settings"};

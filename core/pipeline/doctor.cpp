@@ -1,6 +1,6 @@
 #include "core/pipeline/doctor.h"
 
-#include <cstdio>
+#include <fmt/core.h>
 
 #include "core/base/result.h"
 #include "core/gpu/device.h"
@@ -11,30 +11,25 @@ namespace hermite::pipeline {
 
 namespace {
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  return text;
-}
-
 void describe(const gpu::DeviceCheck& check, DeviceReport& report) {
   report.facts.push_back("using " + gpu::as_text(check.info));
   if (const std::string message = gpu::substituted_as_text(check.info); !message.empty())
     report.facts.push_back("done without, at some cost: " + message);
   for (const gpu::DeviceCheck::Heap& heap : check.heaps)
-    report.facts.push_back("memory heap: " + gpu::bytes_as_text(heap.bytes) +
-                           (heap.device_local ? ", on the device" : ", of the host"));
+    report.facts.push_back(fmt::format("memory heap: {}{}", gpu::bytes_as_text(heap.bytes),
+                                       heap.device_local ? ", on the device" : ", of the host"));
+  report.facts.push_back(fmt::format("largest buffer: {}; shared memory: {}",
+                                     gpu::bytes_as_text(check.info.max_buffer_bytes),
+                                     gpu::bytes_as_text(check.info.max_shared_memory_bytes)));
   report.facts.push_back(
-      "largest buffer: " + gpu::bytes_as_text(check.info.max_buffer_bytes) +
-      "; shared memory: " + gpu::bytes_as_text(check.info.max_shared_memory_bytes));
-  report.facts.push_back("copies: upload " + rounded(check.upload_gib_per_s) + ", download " +
-                         rounded(check.download_gib_per_s) + ", on the device " +
-                         rounded(check.device_copy_gib_per_s) + " GiB/s; one submission " +
-                         rounded(check.submission_us) + " us");
+      fmt::format("copies: upload {:.1f}, download {:.1f}, on the device {:.1f} GiB/s; one "
+                  "submission {:.1f} us",
+                  check.upload_gib_per_s, check.download_gib_per_s, check.device_copy_gib_per_s,
+                  check.submission_us));
   double compile_ms = 0;
   for (const gpu::DeviceCheck::Compiled& kernel : check.kernels) compile_ms += kernel.compile_ms;
-  report.facts.push_back(std::to_string(check.kernels.size()) + " shaders compiled in " +
-                         rounded(compile_ms / 1000) + " s");
+  report.facts.push_back(
+      fmt::format("{} shaders compiled in {:.1f} s", check.kernels.size(), compile_ms / 1000));
   report.facts.push_back(std::string("timestamps: ") +
                          (check.has_timestamps ? "yes" : "no: times per pass will be missing"));
   report.problems.insert(report.problems.end(), check.problems.begin(), check.problems.end());

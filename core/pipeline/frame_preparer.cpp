@@ -1,5 +1,7 @@
 #include "core/pipeline/frame_preparer.h"
 
+#include <fmt/core.h>
+
 #include <string>
 #include <utility>
 
@@ -19,13 +21,12 @@ Status FramePreparer::check(const frame::RgbdFrame& frame) const {
   };
   if (fits(frame.depth.width, frame.depth.height) && fits(frame.color.width, frame.color.height))
     return Done{};
-  const auto size = [](int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-  };
+  const auto size = [](int width, int height) { return fmt::format("{}x{}", width, height); };
   return Error{ErrorCode::kInvalidArgument,
-               "the frame is " + size(frame.depth.width, frame.depth.height) + " depth and " +
-                   size(frame.color.width, frame.color.height) + " colour, but the camera is " +
-                   size(camera_.width, camera_.height)};
+               fmt::format("the frame is {} depth and {} colour, but the camera is {}",
+                           size(frame.depth.width, frame.depth.height),
+                           size(frame.color.width, frame.color.height),
+                           size(camera_.width, camera_.height))};
 }
 
 frame::PreparedFrame FramePreparer::prepare(frame::RgbdFrame frame) const {

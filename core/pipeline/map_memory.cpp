@@ -1,5 +1,7 @@
 #include "core/pipeline/map_memory.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <string>
 
@@ -26,8 +28,8 @@ std::uint32_t most_slots(const gpu::Device& device, std::int64_t gpu_memory_mb,
   if (slots < least)
     throw SetupError(
         {ErrorCode::kInvalidArgument,
-         "map.gpu_memory_mb is " + std::to_string(gpu_memory_mb) + ", this camera needs at least " +
-             std::to_string(gpu_memory_mb + (least - slots) * map::kBytesPerSlot / kMegabyte + 1)});
+         fmt::format("map.gpu_memory_mb is {}, this camera needs at least {}", gpu_memory_mb,
+                     gpu_memory_mb + (least - slots) * map::kBytesPerSlot / kMegabyte + 1)});
   return static_cast<std::uint32_t>(std::min<std::int64_t>(slots, map::kMaxStoreSlots));
 }
 

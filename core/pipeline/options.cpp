@@ -1,5 +1,7 @@
 #include "core/pipeline/options.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <charconv>
 #include <functional>
@@ -230,7 +232,7 @@ Status apply_setting(Options& options, const std::string& key, const std::string
     if (auto* const* flag = std::get_if<bool*>(&field)) {
       if (value != "true" && value != "false" && value != "1" && value != "0")
         return Error{ErrorCode::kInvalidArgument,
-                     "setting " + key + " is '" + value + "', allowed is true or false"};
+                     fmt::format("setting {} is '{}', allowed is true or false", key, value)};
       **flag = value == "true" || value == "1";
       return Done{};
     }
@@ -239,22 +241,25 @@ Status apply_setting(Options& options, const std::string& key, const std::string
     // Written so that NaN fails too.
     if (!parse_number(value, number) || !(number >= row.low && number <= row.high) ||
         (whole && number != static_cast<int>(number)))
-      return Error{ErrorCode::kInvalidArgument, "setting " + key + " is '" + value +
-                                                    "', allowed is " +
-                                                    (whole ? "a whole number " : "") +
-                                                    to_text(row.low) + " to " + to_text(row.high)};
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("setting {} is '{}', allowed is {}{} to {}", key, value,
+                      whole ? "a whole number " : "", to_text(row.low), to_text(row.high))};
     if (key == "map.window" && static_cast<int>(number) % 2 == 0)
-      return Error{ErrorCode::kInvalidArgument,
-                   "setting " + key + " is '" + value +
-                       "', allowed is 5, 7 or 9, since a window has a central pixel"};
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format(
+              "setting {} is '{}', allowed is 5, 7 or 9, since a window has a central pixel", key,
+              value)};
     if (whole)
       *std::get<int*>(field) = static_cast<int>(number);
     else
       *std::get<double*>(field) = number;
     return Done{};
   }
-  return Error{ErrorCode::kNotFound,
-               "there is no setting '" + key + "'; `hermite reconstruct --help` lists them"};
+  return Error{
+      ErrorCode::kNotFound,
+      fmt::format("there is no setting '{}'; `hermite reconstruct --help` lists them", key)};
 }
 
 }  // namespace hermite::pipeline
