@@ -1,5 +1,7 @@
 #include "core/report/frame_table.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "core/base/printf_text.h"
@@ -38,14 +40,11 @@ std::string format_frame_table(const std::vector<FrameRow>& rows,
   const std::vector<std::optional<StatedError>> errors = stated_errors(rows, groundtruth);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const pipeline::FrameResult& result = rows[i].result;
-    table +=
-        printf_text("%lld,%.6f,", static_cast<long long>(result.frame_index), result.timestamp_s) +
-        name_of(result.status) + "," + name_of(result.event) + "," +
-        printf_text("%.4f,%.4f,%.6f,%lld,%.1f", result.correction_m, result.inlier_ratio,
-                    result.residual_rms_m, static_cast<long long>(result.surfel_count),
-                    rows[i].ms) +
-        ",\"" + result.reason + "\"," + stated_fields(result.uncertainty) + "," +
-        error_fields(errors[i]) + "\n";
+    table += fmt::format("{},{:.6f},{},{},{:.4f},{:.4f},{:.6f},{},{:.1f},\"{}\",{},{}\n",
+                         result.frame_index, result.timestamp_s, name_of(result.status),
+                         name_of(result.event), result.correction_m, result.inlier_ratio,
+                         result.residual_rms_m, result.surfel_count, rows[i].ms, result.reason,
+                         stated_fields(result.uncertainty), error_fields(errors[i]));
   }
   return table;
 }

@@ -1,5 +1,7 @@
 #include "core/report/tracking_file.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <charconv>
 #include <optional>
@@ -52,9 +54,9 @@ Result<TrackingFile> parse_tracking(std::string_view text) {
     if (end < behind.size()) {
       const std::string reason(behind.substr(end + 1));
       if (!pipeline::is_reason(reason))
-        return Error{ErrorCode::kCorruptData, line_name + " has a reason that is not 1 to " +
-                                                  std::to_string(pipeline::kMaxReasonBytes) +
-                                                  " bytes of text on one line"};
+        return Error{ErrorCode::kCorruptData,
+                     fmt::format("{} has a reason that is not 1 to {} bytes of text on one line",
+                                 line_name, pipeline::kMaxReasonBytes)};
       frame.reason = file.reasons.number_of(reason);
     }
     file.frames.push_back(frame);
