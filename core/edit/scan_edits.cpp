@@ -1,10 +1,10 @@
 #include "core/edit/scan_edits.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-
-#include "core/base/printf_text.h"
 
 namespace hermite::edit {
 
@@ -26,7 +26,7 @@ Result<Eigen::Vector3d> triple_in(const Json& json, const std::string& name, dou
     if (!json[i].is_number()) return wrong(name + " must be three numbers");
     triple[static_cast<Eigen::Index>(i)] = json[i].get<double>();
     if (!(std::abs(triple[static_cast<Eigen::Index>(i)]) <= limit))
-      return wrong(printf_text("%s[%zu] is %g, allowed are %g to %g", name.c_str(), i,
+      return wrong(fmt::format("{}[{}] is {:g}, allowed are {:g} to {:g}", name, i,
                                json[i].get<double>(), -limit, limit));
   }
   return triple;
@@ -37,7 +37,7 @@ Result<Eigen::Matrix3d> axes_in(const Json& json, const std::string& name) {
   Eigen::Matrix3d axes;
   for (std::size_t i = 0; i < 3; ++i) {
     const Result<Eigen::Vector3d> axis =
-        triple_in(json[i], name + "[" + std::to_string(i) + "]", 1 + kAxesSlack);
+        triple_in(json[i], fmt::format("{}[{}]", name, i), 1 + kAxesSlack);
     if (!axis.ok()) return axis.error();
     axes.row(static_cast<Eigen::Index>(i)) = axis->transpose();
   }
@@ -58,8 +58,8 @@ Result<EditBox> box_in(const Json& json, const std::string& name) {
       triple_in(json["high_m"], name + ".high_m", kFarthestEdit_m);
   if (!high_m.ok()) return high_m.error();
   if (!((*high_m - *low_m).array() >= kThinnest_m).all())
-    return wrong(name + ".high_m must be above low_m by " + printf_text("%g", kThinnest_m) +
-                 " or more along each axis");
+    return wrong(fmt::format("{}.high_m must be above low_m by {:g} or more along each axis", name,
+                             kThinnest_m));
   return EditBox{*axes, *low_m, *high_m};
 }
 
@@ -78,8 +78,8 @@ Result<ScanEdit> edit_in(const Json& json, const std::string& name) {
     const Json size = json.value("smaller_than_m", Json());
     if (!size.is_number() ||
         !(size.get<double>() >= kLeastPart_m && size.get<double>() <= kMostPart_m))
-      return wrong(name + ".smaller_than_m must be a number, " +
-                   printf_text("%g to %g", kLeastPart_m, kMostPart_m));
+      return wrong(fmt::format("{}.smaller_than_m must be a number, {:g} to {:g}", name,
+                               kLeastPart_m, kMostPart_m));
     edit.smaller_than_m = size.get<double>();
     return edit;
   }
@@ -129,11 +129,11 @@ Result<ScanEdits> parse_scan_edits(const std::string& text) {
   if (!version.is_number_integer() || version.get<std::int64_t>() < 0)
     return wrong("version must be a whole number from 0");
   if (json["edits"].size() > kMostEdits)
-    return wrong("edits has " + std::to_string(json["edits"].size()) + " entries, at most " +
-                 std::to_string(kMostEdits) + " are allowed");
+    return wrong(fmt::format("edits has {} entries, at most {} are allowed", json["edits"].size(),
+                             kMostEdits));
   ScanEdits edits{version.get<std::int64_t>(), {}};
   for (std::size_t i = 0; i < json["edits"].size(); ++i) {
-    const Result<ScanEdit> edit = edit_in(json["edits"][i], "edits[" + std::to_string(i) + "]");
+    const Result<ScanEdit> edit = edit_in(json["edits"][i], fmt::format("edits[{}]", i));
     if (!edit.ok()) return edit.error();
     edits.edits.push_back(*edit);
   }
