@@ -1,5 +1,6 @@
 #include "proto/wire/client_message.h"
 
+#include <fmt/core.h>
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/wire_format_lite.h>
 
@@ -19,27 +20,28 @@ Result<std::vector<Codec>> known_codecs(const std::string& field,
                                         std::optional<Codec> (*known_codec)(int),
                                         const char* names) {
   if (offered.size() > kMaxCodecs)
-    return Error{ErrorCode::kTooLarge, field + " has " + std::to_string(offered.size()) +
-                                           " entries, allowed are " + std::to_string(kMaxCodecs)};
+    return Error{ErrorCode::kTooLarge, fmt::format("{} has {} entries, allowed are {}", field,
+                                                   offered.size(), kMaxCodecs)};
   std::vector<Codec> known;
   for (const int number : offered)
     if (const auto codec = known_codec(number)) known.push_back(*codec);
   if (known.empty())
     return Error{ErrorCode::kUnsupported,
-                 field + " offers none of those this server knows: " + names};
+                 fmt::format("{} offers none of those this server knows: {}", field, names)};
   return known;
 }
 
 Status check_settings(const google::protobuf::Map<std::string, std::string>& settings) {
   if (settings.size() > static_cast<std::size_t>(kMaxSettings))
-    return Error{ErrorCode::kTooLarge, "start_scan.settings has " +
-                                           std::to_string(settings.size()) +
-                                           " entries, allowed are " + std::to_string(kMaxSettings)};
+    return Error{ErrorCode::kTooLarge,
+                 fmt::format("start_scan.settings has {} entries, allowed are {}", settings.size(),
+                             kMaxSettings)};
   for (const auto& [key, value] : settings) {
     if (Status status = check_text("a key of start_scan.settings", key, kMaxSettingBytes);
         !status.ok())
       return status;
-    if (Status status = check_text("start_scan.settings[" + key + "]", value, kMaxSettingBytes);
+    if (Status status =
+            check_text(fmt::format("start_scan.settings[{}]", key), value, kMaxSettingBytes);
         !status.ok())
       return status;
   }
@@ -63,9 +65,9 @@ Result<StartScan> start_scan_from(const v1::StartScan& message) {
   if (!color.ok()) return color.error();
   start.color_codecs = *std::move(color);
   if (message.mode() != v1::MODE_BATCH && message.mode() != v1::MODE_LIVE)
-    return Error{ErrorCode::kInvalidArgument, "start_scan.mode is " +
-                                                  std::to_string(message.mode()) +
-                                                  ", allowed are 1 (batch) and 2 (live)"};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("start_scan.mode is {}, allowed are 1 (batch) and 2 (live)",
+                             static_cast<int>(message.mode()))};
   start.mode = static_cast<Mode>(message.mode());
   if (Status status = check_settings(message.settings()); !status.ok()) return status.error();
   start.settings.insert(message.settings().begin(), message.settings().end());

@@ -1,5 +1,6 @@
 #include "proto/wire/fields.h"
 
+#include <fmt/core.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/wire_format_lite.h>
@@ -82,13 +83,13 @@ Status parse_bytes(std::string_view bytes, std::size_t max_bytes,
   // Protobuf's own lengths are int: the cap keeps the cast below whole whatever the caller allows.
   const std::size_t limit = std::min<std::size_t>(max_bytes, std::numeric_limits<int>::max());
   if (bytes.size() > limit)
-    return Error{ErrorCode::kTooLarge, "message of " + std::to_string(bytes.size()) +
-                                           " bytes, allowed are " + std::to_string(limit)};
+    return Error{ErrorCode::kTooLarge,
+                 fmt::format("message of {} bytes, allowed are {}", bytes.size(), limit)};
   if (!parse(bytes, message))
-    return Error{ErrorCode::kCorruptData, "these " + std::to_string(bytes.size()) +
-                                              " bytes are not a message of the protocol " +
-                                              std::string(kSubprotocol) +
-                                              " (cut, damaged, or text that is not UTF-8)"};
+    return Error{ErrorCode::kCorruptData,
+                 fmt::format("these {} bytes are not a message of the protocol {} (cut, damaged, "
+                             "or text that is not UTF-8)",
+                             bytes.size(), kSubprotocol)};
   return Done{};
 }
 
@@ -106,8 +107,8 @@ std::optional<ColorCodec> color_codec_from(int number) {
 
 Status check_text(const std::string& field, const std::string& text, std::size_t max_bytes) {
   if (text.size() > max_bytes)
-    return Error{ErrorCode::kTooLarge, field + " has " + std::to_string(text.size()) +
-                                           " bytes, allowed are " + std::to_string(max_bytes)};
+    return Error{ErrorCode::kTooLarge,
+                 fmt::format("{} has {} bytes, allowed are {}", field, text.size(), max_bytes)};
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (std::any_of(text.begin(), text.end(), is_control))
     return Error{ErrorCode::kInvalidArgument,
@@ -174,7 +175,7 @@ Result<Rigid3> rigid3_from(const std::string& field, const v1::Rigid3& message) 
     return Error{ErrorCode::kInvalidArgument, field + " is not finite"};
   if (std::abs(norm - 1) > 1e-3)
     return Error{ErrorCode::kInvalidArgument,
-                 field + " has a quaternion of length " + std::to_string(norm) + ", it must be 1"};
+                 fmt::format("{} has a quaternion of length {:f}, it must be 1", field, norm)};
   return transform;
 }
 

@@ -1,5 +1,7 @@
 #include "proto/wire/server_message.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <utility>
 
@@ -19,9 +21,8 @@ Result<ServerMessage> welcome_from(const v1::Welcome& message) {
   welcome.frame_credit = message.frame_credit();
   const auto depth_codec = depth_codec_from(message.depth_codec());
   if (!depth_codec)
-    return Error{
-        ErrorCode::kUnsupported,
-        "welcome.depth_codec is " + std::to_string(message.depth_codec()) + ", known are 1 to 3"};
+    return Error{ErrorCode::kUnsupported, fmt::format("welcome.depth_codec is {}, known are 1 to 3",
+                                                      static_cast<int>(message.depth_codec()))};
   welcome.depth_codec = *depth_codec;
   for (const int number : message.color_codecs())
     if (const auto codec = color_codec_from(number)) welcome.color_codecs.push_back(*codec);
@@ -67,7 +68,7 @@ Status read_map_fields(const v1::FrameResult& message, FrameResult& result) {
   if (!std::isfinite(result.correction_m) || result.correction_m < 0)
     return Error{
         ErrorCode::kInvalidArgument,
-        "frame_result.correction_m is " + std::to_string(result.correction_m) + ", not a distance"};
+        fmt::format("frame_result.correction_m is {:f}, not a distance", result.correction_m)};
   if (message.has_last_tracked())
     result.last_tracked =
         TrackedFrame{message.last_tracked().sequence(), message.last_tracked().timestamp_s()};
@@ -81,9 +82,9 @@ Status read_uncertainty(const v1::FrameResult& message, FrameResult& result) {
   for (const auto& [name, sigma] : {std::pair{"position_sigma_m", stated.position_sigma_m},
                                     {"rotation_sigma_rad", stated.rotation_sigma_rad}})
     if (!std::isfinite(sigma) || sigma < 0)
-      return Error{ErrorCode::kInvalidArgument, std::string("frame_result.uncertainty.") + name +
-                                                    " is " + std::to_string(sigma) +
-                                                    ", not a standard deviation"};
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("frame_result.uncertainty.{} is {:f}, not a standard deviation",
+                               name, sigma)};
   result.uncertainty = stated;
   return Done{};
 }
@@ -126,8 +127,8 @@ ServerMessage mesh_chunk_from(v1::MeshChunk& message) {
 
 Result<ServerMessage> submap_poses_from(const v1::SubmapPoses& message) {
   if (message.poses_size() > static_cast<int>(kMaxSubmaps))
-    return Error{ErrorCode::kTooLarge, "submap_poses has " + std::to_string(message.poses_size()) +
-                                           " poses, allowed are " + std::to_string(kMaxSubmaps)};
+    return Error{ErrorCode::kTooLarge, fmt::format("submap_poses has {} poses, allowed are {}",
+                                                   message.poses_size(), kMaxSubmaps)};
   SubmapPoses poses;
   for (const v1::SubmapPose& pose : message.poses()) {
     Result<Rigid3> transform =
@@ -140,8 +141,8 @@ Result<ServerMessage> submap_poses_from(const v1::SubmapPoses& message) {
 
 Result<ServerMessage> scan_state_from(v1::ScanState& message) {
   if (message.phase() < v1::SCAN_PHASE_RUNNING || message.phase() > v1::SCAN_PHASE_INTERRUPTED)
-    return Error{ErrorCode::kUnsupported,
-                 "scan_state.phase is " + std::to_string(message.phase()) + ", known are 1 to 4"};
+    return Error{ErrorCode::kUnsupported, fmt::format("scan_state.phase is {}, known are 1 to 4",
+                                                      static_cast<int>(message.phase()))};
   return ServerMessage(
       ScanState{static_cast<ScanPhase>(message.phase()), std::move(*message.mutable_words()),
                 message.frames_received(), message.frames_processed(), message.frames_dropped(),
@@ -150,18 +151,18 @@ Result<ServerMessage> scan_state_from(v1::ScanState& message) {
 
 Result<ServerMessage> trajectory_from(const v1::TrajectoryPart& message) {
   if (message.positions_size() % 3 != 0)
-    return Error{ErrorCode::kCorruptData, "trajectory_part.positions has " +
-                                              std::to_string(message.positions_size()) +
-                                              " numbers, which is no multiple of 3"};
+    return Error{ErrorCode::kCorruptData,
+                 fmt::format("trajectory_part.positions has {} numbers, which is no multiple of 3",
+                             message.positions_size())};
   if (message.submaps_size() > 0 && 3 * message.submaps_size() != message.positions_size())
     return Error{ErrorCode::kCorruptData,
-                 "trajectory_part.submaps has " + std::to_string(message.submaps_size()) +
-                     " entries for " + std::to_string(message.positions_size() / 3) + " positions"};
+                 fmt::format("trajectory_part.submaps has {} entries for {} positions",
+                             message.submaps_size(), message.positions_size() / 3)};
   if (message.positions_in_submaps_size() != 3 * message.submaps_size())
     return Error{ErrorCode::kCorruptData,
-                 "trajectory_part.positions_in_submaps has " +
-                     std::to_string(message.positions_in_submaps_size()) + " numbers for " +
-                     std::to_string(message.submaps_size()) + " submaps, which is not 3 for each"};
+                 fmt::format("trajectory_part.positions_in_submaps has {} numbers for {} submaps, "
+                             "which is not 3 for each",
+                             message.positions_in_submaps_size(), message.submaps_size())};
   return ServerMessage(
       TrajectoryPart{{message.positions().begin(), message.positions().end()},
                      {message.positions_in_submaps().begin(), message.positions_in_submaps().end()},
