@@ -1,6 +1,7 @@
 #include "server/access/access.h"
 
 #include <arpa/inet.h>
+#include <fmt/core.h>
 #include <openssl/crypto.h>
 
 #include <algorithm>
@@ -73,9 +74,11 @@ std::string address_group(const std::string& address) {
 }
 
 Result<ListenAddress> parse_listen_address(const std::string& text) {
-  const Error error{ErrorCode::kInvalidArgument,
-                    "listen address \"" + text +
-                        "\": expected IP:PORT, for example 127.0.0.1:8080 or [::1]:8080"};
+  const Error error{
+      ErrorCode::kInvalidArgument,
+      fmt::format(
+          "listen address \"{}\": expected IP:PORT, for example 127.0.0.1:8080 or [::1]:8080",
+          text)};
   const std::optional<HostAndPort> parts = split_host(text);
   if (!parts || parts->port.empty()) return error;
   unsigned int port = 0;
@@ -99,8 +102,8 @@ bool is_loopback(const ListenAddress& address) {
 
 std::string url_of(const ListenAddress& address) {
   const bool v6 = address.host.find(':') != std::string::npos;
-  return "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" +
-         std::to_string(address.port);
+  return fmt::format("http://{}:{}", v6 ? fmt::format("[{}]", address.host) : address.host,
+                     address.port);
 }
 
 namespace {
@@ -133,9 +136,9 @@ Result<std::string> frame_ancestors(const std::vector<std::string>& sites) {
   for (const std::string& site : sites) {
     if (site != "*" && !is_site(site))
       return Error{ErrorCode::kInvalidArgument,
-                   "'" + site +
-                       "' is no site: allowed are https://HOST and http://HOST, with or without a "
-                       "port and *. before HOST, and *"};
+                   fmt::format("'{}' is no site: allowed are https://HOST and http://HOST, with or "
+                               "without a port and *. before HOST, and *",
+                               site)};
     sources += (sources.empty() ? "" : " ") + site;
   }
   return sources.empty() ? std::string(kNoFrames) : sources;

@@ -1,5 +1,7 @@
 #include "server/access/administration.h"
 
+#include <fmt/core.h>
+
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -30,7 +32,8 @@ Result<Json> parse_request(const std::string& request,
     bool known = false;
     for (const char* name : known_fields) known = known || field == name;
     if (!known)
-      return invalid("the field \"" + field.substr(0, kMaxTokenNameBytes) + "\" is not known here");
+      return invalid(
+          fmt::format("the field \"{}\" is not known here", field.substr(0, kMaxTokenNameBytes)));
   }
   return json;
 }
@@ -40,8 +43,8 @@ Result<std::string> name_in(const Json& request) {
   if (!request["name"].is_string()) return invalid("name is no text");
   std::string name = request["name"];
   if (name.size() > kMaxTokenNameBytes)
-    return invalid("name has " + std::to_string(name.size()) + " bytes, allowed are " +
-                   std::to_string(kMaxTokenNameBytes));
+    return invalid(
+        fmt::format("name has {} bytes, allowed are {}", name.size(), kMaxTokenNameBytes));
   // Lists are shown on terminals.
   for (const char c : name)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
@@ -75,8 +78,7 @@ Result<int> days_in(const Json& request, const DaysRange& range) {
   if (!request.contains("days")) return range.otherwise;
   const Json& days = request["days"];
   if (!days.is_number_integer() || days < range.low || days > range.high)
-    return invalid("days is no whole number from " + std::to_string(range.low) + " to " +
-                   std::to_string(range.high));
+    return invalid(fmt::format("days is no whole number from {} to {}", range.low, range.high));
   return days.get<int>();
 }
 
@@ -163,7 +165,7 @@ Result<std::string> create_share(Store& store, const std::string& scan_id,
     return Error{ErrorCode::kNotFound,
                  "there is no such scan: an id has 26 characters of a-z and 0-9"};
   if (Status status = store.tokens.add(row); !status.ok()) return status.error();
-  const std::string path = "/#share=" + secret + "&scan=" + scan_id;
+  const std::string path = fmt::format("/#share={}&scan={}", secret, scan_id);
   return json_text({{"share", row_json(row, now_ms)}, {"secret", secret}, {"path", path}});
 }
 
@@ -184,7 +186,7 @@ Result<std::string> revoke_row(Store& store, const std::string& id, bool share,
   if (!row.ok()) return row.error();
   if (row->scan_id.empty() == share)
     return Error{ErrorCode::kNotFound,
-                 "there is no " + std::string(share ? "share link " : "token ") + row->id};
+                 fmt::format("there is no {}{}", share ? "share link " : "token ", row->id)};
   if (Status status = store.tokens.revoke(id, now_ms); !status.ok()) return status.error();
   return json_text({{"revoked", id}});
 }

@@ -1,6 +1,7 @@
 #include "server/access/audit.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -65,7 +66,7 @@ std::vector<int> file_numbers(const std::string& folder) {
 }
 
 Error audit_error(const std::string& what) {
-  return {ErrorCode::kIo, "the audit log: " + what + ": " + std::strerror(errno)};
+  return {ErrorCode::kIo, fmt::format("the audit log: {}: {}", what, std::strerror(errno))};
 }
 
 // Returns the line without its hash, and that hash; std::nullopt if it does not end with one.
@@ -103,7 +104,7 @@ void look_for_missing(const std::string& line, AuditCheck& check) {
   const Json json = Json::parse(line, nullptr, false);
   if (!json.is_object() || !check.broken.empty()) return;
   const std::string message =
-      "entry " + std::to_string(check.entry_count) + ": " + json.value("outcome", "");
+      fmt::format("entry {}: {}", check.entry_count, json.value("outcome", ""));
   if (json.value("did", "") == kEntriesMissing) check.broken = "before " + message;
   if (json.value("did", "") == kHeadMissing) check.remarks.push_back(message);
 }
@@ -120,7 +121,7 @@ std::string head_line(const Head& head) {
   char number[24];
   std::snprintf(number, sizeof number, "%020llu", static_cast<unsigned long long>(head.count));
   const std::string line = std::string(number) + " " + head.hash;
-  return line + " " + digest::sha256_hex(line).substr(0, kHeadDigits) + "\n";
+  return fmt::format("{} {}\n", line, digest::sha256_hex(line).substr(0, kHeadDigits));
 }
 
 // Returns std::nullopt if there is no head, or it is damaged.
@@ -129,7 +130,7 @@ std::optional<Head> read_head(const std::string& folder) {
   Head head;
   std::string digest;
   if (!(file >> head.count >> head.hash >> digest) ||
-      head_line(head).find(" " + digest + "\n") == std::string::npos)
+      head_line(head).find(fmt::format(" {}\n", digest)) == std::string::npos)
     return std::nullopt;
   return head;
 }
@@ -139,11 +140,10 @@ std::optional<Head> read_head(const std::string& folder) {
 std::string missing_message(const Head& head, std::uint64_t count,
                             const std::string& hash_at_head) {
   if (head.count > count)
-    return std::to_string(head.count - count) + " entries are missing at the end: number " +
-           std::to_string(head.count) + ", " + head.hash + ", was the last one";
+    return fmt::format("{} entries are missing at the end: number {}, {}, was the last one",
+                       head.count - count, head.count, head.hash);
   if (!hash_at_head.empty() && hash_at_head != head.hash)
-    return "entry " + std::to_string(head.count) + " is another one than " + head.hash +
-           ", which was there";
+    return fmt::format("entry {} is another one than {}, which was there", head.count, head.hash);
   return {};
 }
 
@@ -358,7 +358,8 @@ Result<AuditCheck> check_audit(const std::string& folder,
     const std::string name = file_name(number);
     std::ifstream file(folder + "/" + name, std::ios::binary);
     if (!file)
-      return Error{ErrorCode::kIo, "reading " + folder + "/" + name + ": " + std::strerror(errno)};
+      return Error{ErrorCode::kIo,
+                   fmt::format("reading {}/{}: {}", folder, name, std::strerror(errno))};
     int line_number = 0;
     for (std::string line; std::getline(file, line);) {
       ++line_number;
@@ -366,7 +367,7 @@ Result<AuditCheck> check_audit(const std::string& folder,
       if (!check.broken.empty()) continue;
       // The first remaining file may begin in the middle of the chain, but file 1 does not.
       if (const auto wrong = follow(line, check.head, check.entry_count, first && number != 1))
-        check.broken = name + ", line " + std::to_string(line_number) + ": it " + *wrong;
+        check.broken = fmt::format("{}, line {}: it {}", name, line_number, *wrong);
       first = false;
       if (head && check.entry_count == head->count) hash_at_head = check.head;
       look_for_missing(line, check);
@@ -376,8 +377,8 @@ Result<AuditCheck> check_audit(const std::string& folder,
   if (head)
     check.broken = missing_message(*head, check.entry_count, hash_at_head);
   else if (check.entry_count > 0)
-    check.broken = std::string("there is no ") + kAuditHeadName +
-                   ": whether entries are missing at the end is not known";
+    check.broken = fmt::format(
+        "there is no {}: whether entries are missing at the end is not known", kAuditHeadName);
   return check;
 }
 

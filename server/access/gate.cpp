@@ -1,5 +1,6 @@
 #include "server/access/gate.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include "core/digest/sha256.h"
@@ -41,8 +42,8 @@ bool may_see(const Grant& grant, const std::string& scan_id) {
 }
 
 Error lacks(const Grant& grant, Scope needed) {
-  return {ErrorCode::kUnauthorized,
-          "this token allows " + names_of(grant.scopes) + "; " + name_of(needed) + " is needed"};
+  return {ErrorCode::kUnauthorized, fmt::format("this token allows {}; {} is needed",
+                                                names_of(grant.scopes), name_of(needed))};
 }
 
 Gate::Gate(Store& store, int failures_per_minute)
@@ -82,10 +83,11 @@ Result<Grant> Gate::admit(std::string_view secret, const Caller& caller) {
   }
   on_wrong_secret_(caller);
   if (const std::int64_t wait_ms = failures_.take(caller.address, caller.now_ms); wait_ms > 0)
-    return Error{ErrorCode::kBusy, "too many wrong tokens from this address; try again in " +
-                                       std::to_string((wait_ms + 999) / 1000) + " s"};
+    return Error{ErrorCode::kBusy,
+                 fmt::format("too many wrong tokens from this address; try again in {} s",
+                             (wait_ms + 999) / 1000)};
   spdlog::info("a wrong token from {}{}", caller.address,
-               row.ok() ? " (" + row->id + ", which has ended)" : "");
+               row.ok() ? fmt::format(" ({}, which has ended)", row->id) : "");
   return Error{ErrorCode::kUnauthorized,
                "this is no token or share link of this server, or it has expired or was revoked"};
 }

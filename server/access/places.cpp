@@ -1,5 +1,7 @@
 #include "server/access/places.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -16,7 +18,7 @@ constexpr double kScanWeight = 1.0 / 4;
 Error busy(const std::string& message) { return {ErrorCode::kBusy, message}; }
 
 std::string in_mb(std::uint64_t bytes) {
-  return std::to_string((bytes + 500'000) / 1'000'000) + " MB";
+  return fmt::format("{} MB", (bytes + 500'000) / 1'000'000);
 }
 
 // The first value becomes the mean.
@@ -41,16 +43,16 @@ Taken Places::taken_of(const Held& held, const PlaceRequest& request) {
 
 Status Places::check_server(const PlaceRequest& request) const {
   if (running_.size() >= static_cast<std::size_t>(rules_.max_running))
-    return busy("this server runs at most " + std::to_string(rules_.max_running) +
-                " scans at once");
+    return busy(fmt::format("this server runs at most {} scans at once", rules_.max_running));
   const bool any_live = request.is_live ||
                         std::any_of(running_.begin(), running_.end(),
                                     [](const auto& entry) { return entry.second.request.is_live; });
   const double together_s = frame_s_ * static_cast<double>(running_.size() + 1);
   if (any_live && !running_.empty() && together_s * rules_.live_rate_hz > 1)
-    return busy("a frame takes " + std::to_string(std::lround(1000 * frame_s_)) +
-                " ms on this server: with one scan more a live one would get fewer than " +
-                std::to_string(rules_.live_rate_hz) + " frames a second");
+    return busy(
+        fmt::format("a frame takes {} ms on this server: with one scan more a live one would get "
+                    "fewer than {} frames a second",
+                    std::lround(1000 * frame_s_), rules_.live_rate_hz));
   return check_memory();
 }
 
@@ -62,8 +64,9 @@ Status Places::check_memory() const {
   std::uint64_t taken = 0;
   for (const auto& [id, scan] : running_) taken += std::max(scan.memory_bytes, one_more);
   if (taken + one_more <= all) return Done{};
-  return busy("the scans that run come to " + in_mb(taken) + " of GPU memory and one more to " +
-              in_mb(one_more) + ": there are " + in_mb(all) + " for all");
+  return busy(fmt::format(
+      "the scans that run come to {} of GPU memory and one more to {}: there are {} for all",
+      in_mb(taken), in_mb(one_more), in_mb(all)));
 }
 
 Status Places::check_token(const PlaceRequest& request) const {
@@ -83,7 +86,7 @@ Status Places::check_for_newcomer(const PlaceRequest& request) const {
   const auto before = std::count_if(line_.begin(), line_.end(), [&](const auto& entry) {
     return check_token(entry.second.request).ok();
   });
-  return before == 0 ? Status(Done{}) : busy(std::to_string(before) + " cameras wait for a place");
+  return before == 0 ? Status(Done{}) : busy(fmt::format("{} cameras wait for a place", before));
 }
 
 void Places::frame_done(double work_s) {
