@@ -1,5 +1,7 @@
 #include "server/capture/camera_kinds.h"
 
+#include <fmt/core.h>
+
 #include <charconv>
 #include <utility>
 
@@ -54,16 +56,18 @@ Result<int> parse_index(const std::string& wish, const std::string& text) {
   const auto parsed = std::from_chars(text.data(), end, number);
   if (parsed.ec == std::errc() && parsed.ptr == end && number >= 1 && number <= kMaxIndex)
     return number - 1;
-  return Error{ErrorCode::kInvalidArgument, "--camera \"" + wish +
-                                                "\": behind the colon stands a number from 1 to " +
-                                                std::to_string(kMaxIndex) + ", as --list counts"};
+  return Error{
+      ErrorCode::kInvalidArgument,
+      fmt::format(
+          "--camera \"{}\": behind the colon stands a number from 1 to {}, as --list counts", wish,
+          kMaxIndex)};
 }
 
 Error unknown_kind(const std::string& wish) {
-  std::string message = "--camera \"" + wish + "\" is not known; there are";
-  for (const CameraKind& kind : kKinds) message += std::string(" ") + kind.name + ",";
+  std::string message = fmt::format("--camera \"{}\" is not known; there are", wish);
+  for (const CameraKind& kind : kKinds) message += fmt::format(" {},", kind.name);
   return {ErrorCode::kInvalidArgument,
-          message + " each with :2 for the second, and " + kRecordingPrefix + "SEQUENCE"};
+          fmt::format("{} each with :2 for the second, and {}SEQUENCE", message, kRecordingPrefix)};
 }
 
 // `which`: the part of `wish` after the colon.
@@ -99,10 +103,10 @@ std::string list_cameras() {
   for (const CameraKind& kind : kKinds) {
     const std::vector<std::string> found = kind.find ? kind.find() : std::vector<std::string>();
     for (std::size_t i = 0; i < found.size(); ++i)
-      text += std::string(kind.name) + ":" + std::to_string(i + 1) + "  " + found[i] + "\n";
-    if (!kind.find) text += std::string(kind.name) + "  " + not_built(kind).message + "\n";
+      text += fmt::format("{}:{}  {}\n", kind.name, i + 1, found[i]);
+    if (!kind.find) text += fmt::format("{}  {}\n", kind.name, not_built(kind).message);
     if (kind.find && found.empty())
-      text += std::string(kind.name) + "  " + kind.description + ": none is attached\n";
+      text += fmt::format("{}  {}: none is attached\n", kind.name, kind.description);
   }
   return text;
 }

@@ -1,5 +1,6 @@
 #include "server/capture/kinect.h"
 
+#include <fmt/core.h>
 #include <libfreenect.h>
 
 #include <algorithm>
@@ -127,8 +128,8 @@ Status Kinect::start(int index) {
     return Error{ErrorCode::kDevice, "libfreenect cannot use USB on this machine"};
   const int count = freenect_num_devices(context_.get());
   if (index >= count)
-    return Error{ErrorCode::kDevice, "there is no " + description_.name + ": " +
-                                         std::to_string(count) + " are attached"};
+    return Error{ErrorCode::kDevice,
+                 fmt::format("there is no {}: {} are attached", description_.name, count)};
   if (freenect_open_device(context_.get(), &device_, index) < 0) {
     device_ = nullptr;
     return Error{
@@ -167,7 +168,7 @@ Result<std::optional<frame::RgbdFrame>> Kinect::next(std::chrono::milliseconds p
   }
 }
 
-std::string name_of_kinect(int index) { return "Kinect v1 (" + std::to_string(index + 1) + ")"; }
+std::string name_of_kinect(int index) { return fmt::format("Kinect v1 ({})", index + 1); }
 
 }  // namespace
 
@@ -183,8 +184,8 @@ Result<std::unique_ptr<CaptureCamera>> open_kinect(int index,
                                                    const std::optional<Camera>& intrinsics) {
   if (intrinsics && (intrinsics->width != kWidth_px || intrinsics->height != kHeight_px))
     return Error{ErrorCode::kInvalidArgument,
-                 "the intrinsics are of " + std::to_string(intrinsics->width) + "x" +
-                     std::to_string(intrinsics->height) + " pixels, the camera gives 640x480"};
+                 fmt::format("the intrinsics are of {}x{} pixels, the camera gives 640x480",
+                             intrinsics->width, intrinsics->height)};
   auto kinect = std::make_unique<Kinect>(name_of_kinect(index), intrinsics);
   if (Status status = kinect->start(index); !status.ok()) return status.error();
   return std::unique_ptr<CaptureCamera>(std::move(kinect));

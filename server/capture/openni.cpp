@@ -1,6 +1,7 @@
 #include "server/capture/openni.h"
 
 #include <OpenNI.h>
+#include <fmt/core.h>
 
 #include <cctype>
 #include <cmath>
@@ -146,9 +147,8 @@ Status OpenNiCamera::describe(const Modes& modes, bool is_registered,
     description_.camera = *intrinsics;
     if (image::ImageSize{intrinsics->width, intrinsics->height} == size) return Done{};
     return Error{ErrorCode::kInvalidArgument,
-                 "the intrinsics are of " + std::to_string(intrinsics->width) + "x" +
-                     std::to_string(intrinsics->height) + " pixels, the camera gives " +
-                     std::to_string(size.width) + "x" + std::to_string(size.height)};
+                 fmt::format("the intrinsics are of {}x{} pixels, the camera gives {}x{}",
+                             intrinsics->width, intrinsics->height, size.width, size.height)};
   }
   // Registered depth has the view of the colour camera.
   const double angle_rad = (is_registered ? color_ : depth_).getHorizontalFieldOfView();
@@ -161,8 +161,9 @@ Status OpenNiCamera::describe(const Modes& modes, bool is_registered,
                          0.5 * (size.height - 1),
                          depth_units_of(modes.depth.getPixelFormat())};
   if (const Status status = validate(description_.camera); !status.ok())
-    return Error{ErrorCode::kUnsupported, description_.name + " does not say what it sees (" +
-                                              status.error().message + "): give --intrinsics"};
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("{} does not say what it sees ({}): give --intrinsics",
+                             description_.name, status.error().message)};
   return Done{};
 }
 
@@ -224,8 +225,7 @@ std::vector<Found> find_devices() {
   openni::Array<openni::DeviceInfo> devices;
   openni::OpenNI::enumerateDevices(&devices);
   for (int i = 0; i < devices.getSize(); ++i)
-    found.push_back({std::string(devices[i].getVendor()) + " " + devices[i].getName() + " (" +
-                         std::to_string(i + 1) + ")",
+    found.push_back({fmt::format("{} {} ({})", devices[i].getVendor(), devices[i].getName(), i + 1),
                      devices[i].getUri()});
   return found;
 }
@@ -251,8 +251,8 @@ Result<std::unique_ptr<CaptureCamera>> open_openni(int index,
                                                    const std::optional<Camera>& intrinsics) {
   const std::vector<Found> found = find_devices();
   if (static_cast<std::size_t>(index) >= found.size())
-    return Error{ErrorCode::kDevice, "there is no camera " + std::to_string(index + 1) + ": " +
-                                         std::to_string(found.size()) + " are attached"};
+    return Error{ErrorCode::kDevice,
+                 fmt::format("there is no camera {}: {} are attached", index + 1, found.size())};
   return open_named(found[static_cast<std::size_t>(index)], intrinsics);
 }
 

@@ -1,5 +1,7 @@
 #include "server/capture/preflight.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -59,10 +61,10 @@ void Preflight::add_time_doubts(std::vector<std::string>& doubts) const {
   const double rate = rate_hz();
   if (rate == 0) return;
   if (std::abs(rate / camera_.frame_rate_hz - 1) > kRateTolerance)
-    doubts.push_back("the time stamps say " + printf_text("%.3g", rate) +
-                     " frames a second, the camera should give " +
-                     printf_text("%.3g", camera_.frame_rate_hz) +
-                     ": too dark a room makes some cameras slower, a shared USB port all");
+    doubts.push_back(
+        fmt::format("the time stamps say {} frames a second, the camera should give {}: too dark a "
+                    "room makes some cameras slower, a shared USB port all",
+                    printf_text("%.3g", rate), printf_text("%.3g", camera_.frame_rate_hz)));
   const auto is_gap = [&](const Seen& before, const Seen& after) {
     return (after.time_s - before.time_s) * rate > kGap;
   };
@@ -70,17 +72,18 @@ void Preflight::add_time_doubts(std::vector<std::string>& doubts) const {
   for (std::size_t i = 1; i < frames_.size(); ++i)
     gap_count += is_gap(frames_[i - 1], frames_[i]) ? 1 : 0;
   if (gap_count > 0)
-    doubts.push_back("frames are missing at " + std::to_string(gap_count) +
-                     " places: this computer or its USB is too slow");
+    doubts.push_back(fmt::format(
+        "frames are missing at {} places: this computer or its USB is too slow", gap_count));
   const double camera_s = frames_.back().time_s - frames_.front().time_s,
                host_s = frames_.back().host_s - frames_.front().host_s;
   if (host_s >= kShortestToCompare_s && std::abs(camera_s / host_s - 1) > kClockTolerance)
-    doubts.push_back("the time stamps do not fit the clock: they say " +
-                     printf_text("%.2f s", camera_s) + " while " + printf_text("%.2f s", host_s) +
-                     " went by");
+    doubts.push_back(
+        fmt::format("the time stamps do not fit the clock: they say {} while {} went by",
+                    printf_text("%.2f s", camera_s), printf_text("%.2f s", host_s)));
   if (left_out_.unpaired > 0)
-    doubts.push_back(std::to_string(left_out_.unpaired) +
-                     " depth images had no colour image at the same time and were left out");
+    doubts.push_back(
+        fmt::format("{} depth images had no colour image at the same time and were left out",
+                    left_out_.unpaired));
 }
 
 void Preflight::add_image_doubts(std::vector<std::string>& doubts) const {
@@ -88,11 +91,12 @@ void Preflight::add_image_doubts(std::vector<std::string>& doubts) const {
   for (const Seen& seen : frames_) greys.push_back(seen.mean_grey);
   const double grey = median(std::move(greys));
   if (grey < kDark)
-    doubts.push_back("the image is dark (" + printf_text("%.0f", grey) +
-                     " of 255): make more light");
+    doubts.push_back(
+        fmt::format("the image is dark ({} of 255): make more light", printf_text("%.0f", grey)));
   if (grey > kBright)
-    doubts.push_back("the image is overexposed (" + printf_text("%.0f", grey) +
-                     " of 255): less light, or look away from it");
+    doubts.push_back(
+        fmt::format("the image is overexposed ({} of 255): less light, or look away from it",
+                    printf_text("%.0f", grey)));
 }
 
 std::vector<std::string> Preflight::doubts() const {
@@ -106,8 +110,9 @@ std::vector<std::string> Preflight::doubts() const {
     doubts = evaluate::depth_doubts(
         {survey, evaluate::guess_depth_unit(survey, units), registration_.fit(), units});
     if (survey.median / units < kTooNear_m)
-      doubts.push_back("too near: half of what is seen is nearer than " +
-                       printf_text("%.2f m", survey.median / units) + "; step back to 0.8 to 3 m");
+      doubts.push_back(
+          fmt::format("too near: half of what is seen is nearer than {}; step back to 0.8 to 3 m",
+                      printf_text("%.2f m", survey.median / units)));
   }
   add_image_doubts(doubts);
   add_time_doubts(doubts);
@@ -117,10 +122,10 @@ std::vector<std::string> Preflight::doubts() const {
 std::string Preflight::summary() const {
   const evaluate::DepthSurvey survey = depth_.survey();
   const double units = camera_.camera.depth_units_per_metre;
-  return std::to_string(frames_.size()) + " frames at " + printf_text("%.3g Hz", rate_hz()) + ", " +
-         printf_text("%.0f %%", 100 * survey.valid_share) + " of the pixels have depth, " +
-         printf_text("%.2f", survey.nearest / units) + " to " +
-         printf_text("%.2f m", survey.farthest / units);
+  return fmt::format(
+      "{} frames at {}, {} of the pixels have depth, {} to {}", frames_.size(),
+      printf_text("%.3g Hz", rate_hz()), printf_text("%.0f %%", 100 * survey.valid_share),
+      printf_text("%.2f", survey.nearest / units), printf_text("%.2f m", survey.farthest / units));
 }
 
 }  // namespace hermite::client

@@ -1,5 +1,7 @@
 #include "server/capture/realsense.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -111,8 +113,8 @@ Status RealSenseCamera::describe(const rs2::pipeline_profile& profile,
     description_.camera = *intrinsics;
     if (image::ImageSize{intrinsics->width, intrinsics->height} == kSize) return Done{};
     return Error{ErrorCode::kInvalidArgument,
-                 "the intrinsics are of " + std::to_string(intrinsics->width) + "x" +
-                     std::to_string(intrinsics->height) + " pixels, the camera gives 640x480"};
+                 fmt::format("the intrinsics are of {}x{} pixels, the camera gives 640x480",
+                             intrinsics->width, intrinsics->height)};
   }
   const rs2_intrinsics seen =
       profile.get_stream(RS2_STREAM_COLOR).as<rs2::video_stream_profile>().get_intrinsics();
@@ -127,8 +129,9 @@ Status RealSenseCamera::describe(const rs2::pipeline_profile& profile,
                          std::round(1 / metres_per_unit),
                          lens_of(seen)};
   const Status status = validate(description_.camera);
-  return status.ok() ? status
-                     : in_context("what " + description_.name + " says of itself", status.error());
+  return status.ok()
+             ? status
+             : in_context(fmt::format("what {} says of itself", description_.name), status.error());
 }
 
 template <class Pixel>
@@ -225,8 +228,8 @@ Result<std::unique_ptr<CaptureCamera>> open_realsense(int index,
   const auto found = find_devices();
   if (!found.ok()) return found.error();
   if (static_cast<std::size_t>(index) >= found->size())
-    return Error{ErrorCode::kDevice, "there is no camera " + std::to_string(index + 1) + ": " +
-                                         std::to_string(found->size()) + " are attached"};
+    return Error{ErrorCode::kDevice,
+                 fmt::format("there is no camera {}: {} are attached", index + 1, found->size())};
   return open_found((*found)[static_cast<std::size_t>(index)], intrinsics);
 }
 

@@ -1,5 +1,7 @@
 #include "server/capture/scan.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <memory>
 #include <random>
@@ -62,9 +64,9 @@ Result<ScanOutcome> Scan::run() {
   auto outcome = stream();
   if (!outcome.ok() && !log_) return outcome.error();
   if (!outcome.ok())
-    return Error{outcome.error().code, outcome.error().message + "; what was recorded is in " +
-                                           request_.record_folder +
-                                           ", and hermite-client stream sends it"};
+    return Error{outcome.error().code,
+                 fmt::format("{}; what was recorded is in {}, and hermite-client stream sends it",
+                             outcome.error().message, request_.record_folder)};
   return ScanOutcome{*std::move(outcome), progress()};
 }
 
@@ -99,10 +101,11 @@ Status Scan::look_first() {
           {**std::move(frame), std::chrono::duration<double>(now.time_since_epoch()).count()});
       last_arrival = now;
     } else if (now - last_arrival >= request_.camera_patience) {
-      return Error{ErrorCode::kDevice, "the camera gave " + std::to_string(frames.size()) +
-                                           " frames, and then none for " +
-                                           std::to_string(request_.camera_patience.count() / 1000) +
-                                           " s: is it plugged in, with power?"};
+      return Error{
+          ErrorCode::kDevice,
+          fmt::format(
+              "the camera gave {} frames, and then none for {} s: is it plugged in, with power?",
+              frames.size(), request_.camera_patience.count() / 1000)};
     }
   }
   Preflight preflight(camera_.description());

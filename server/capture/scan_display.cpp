@@ -1,5 +1,7 @@
 #include "server/capture/scan_display.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "core/base/printf_text.h"
@@ -25,8 +27,8 @@ std::string tracking_text(const wire::FrameResult& result, const CaptureState& c
   if (result.status == wire::TrackingStatus::kTracked) return "  tracked" + within_text(result);
   if (result.status == wire::TrackingStatus::kWeak) return "  weak: " + result.reason;
   const std::string lost = "  LOST: " + result.reason;
-  return result.last_tracked ? lost + " - go back to what was seen at " +
-                                   clock_text(result.last_tracked->timestamp_s, capture)
+  return result.last_tracked ? fmt::format("{} - go back to what was seen at {}", lost,
+                                           clock_text(result.last_tracked->timestamp_s, capture))
                              : lost;
 }
 
@@ -34,10 +36,9 @@ std::string tracking_text(const wire::FrameResult& result, const CaptureState& c
 std::string log_text(const LocalLog::State& log, const StreamProgress& stream) {
   const std::uint64_t behind =
       log.durable_count - std::min(log.durable_count, stream.durable_frames);
-  std::string text = "  " + std::to_string(log.durable_count) + " recorded, " +
-                     std::to_string(stream.durable_frames) + " on the server";
-  if (behind > kOnTheirWay_frames)
-    text += ": " + std::to_string(behind) + " frames behind, catching up";
+  std::string text =
+      fmt::format("  {} recorded, {} on the server", log.durable_count, stream.durable_frames);
+  if (behind > kOnTheirWay_frames) text += fmt::format(": {} frames behind, catching up", behind);
   return text;
 }
 
@@ -48,7 +49,7 @@ std::string format_scan_progress(const ScanProgress& progress) {
   const StreamProgress& stream = progress.stream;
   std::string text = clock_text(capture.newest_s, capture);
   if (capture.ended)
-    text += "  " + std::to_string(capture.frame_count) + " frames";
+    text += fmt::format("  {} frames", capture.frame_count);
   else if (capture.paused)
     text += "  paused: space goes on";
   else
@@ -64,28 +65,26 @@ std::string format_scan_progress(const ScanProgress& progress) {
                         8e-6 * static_cast<double>(stream.sent_bytes) / stream.elapsed_s);
   if (stream.round_trip_ms)
     text += printf_text("  round trip %.0f ms", std::min(*stream.round_trip_ms, 1e6));
-  if (progress.dropped_frames > 0)
-    text += "  " + std::to_string(progress.dropped_frames) + " dropped";
-  if (stream.left_out_frames > 0)
-    text += "  " + std::to_string(stream.left_out_frames) + " left out";
+  if (progress.dropped_frames > 0) text += fmt::format("  {} dropped", progress.dropped_frames);
+  if (stream.left_out_frames > 0) text += fmt::format("  {} left out", stream.left_out_frames);
   if (stream.link_level > 0) text += "  slow link: " + as_text(link_level(stream.link_level));
   if (progress.log) text += log_text(*progress.log, stream);
   return stream.finishing ? text + "  finishing" : text;
 }
 
 std::string format_scan_summary(const ScanProgress& progress, const std::string& record_folder) {
-  std::string text = std::to_string(progress.capture.frame_count) + " frames in " +
-                     format_duration(progress.capture.newest_s - progress.capture.first_s);
-  if (progress.dropped_frames > 0)
-    text += ", " + std::to_string(progress.dropped_frames) + " dropped";
+  std::string text =
+      fmt::format("{} frames in {}", progress.capture.frame_count,
+                  format_duration(progress.capture.newest_s - progress.capture.first_s));
+  if (progress.dropped_frames > 0) text += fmt::format(", {} dropped", progress.dropped_frames);
   if (progress.log)
-    text += ", " + std::to_string(progress.log->durable_count) + " recorded in " + record_folder +
-            printf_text(" (%.1f MB)", 1e-6 * static_cast<double>(progress.log->bytes));
+    text += fmt::format(", {} recorded in {}{}", progress.log->durable_count, record_folder,
+                        printf_text(" (%.1f MB)", 1e-6 * static_cast<double>(progress.log->bytes)));
   if (progress.stream.scan_id.empty()) return text;
-  return text + "; scan " + progress.stream.scan_id + ": " +
-         std::to_string(progress.stream.processed_frames) + " processed, " +
-         std::to_string(progress.stream.tracked_frames) + " tracked" +
-         (progress.stream.last_message.empty() ? "" : "; " + progress.stream.last_message);
+  return fmt::format(
+      "{}; scan {}: {} processed, {} tracked{}", text, progress.stream.scan_id,
+      progress.stream.processed_frames, progress.stream.tracked_frames,
+      progress.stream.last_message.empty() ? "" : "; " + progress.stream.last_message);
 }
 
 }  // namespace hermite::client
