@@ -1,5 +1,7 @@
 #include "server/client/client_socket.h"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include <boost/asio/ip/tcp.hpp>
@@ -31,15 +33,16 @@ Error refusal(const std::string& server, const websocket::response_type& respons
               const beast::error_code& error) {
   if (error != websocket::error::upgrade_declined) {
     return {ErrorCode::kIo,
-            "the WebSocket handshake with " + server + " failed: " + error.message()};
+            fmt::format("the WebSocket handshake with {} failed: {}", server, error.message())};
   }
   const unsigned status = response.result_int();
-  const std::string answer =
-      "HTTP " + std::to_string(status) + " " + std::string(response.reason());
+  const std::string answer = fmt::format("HTTP {} {}", status, std::string(response.reason()));
   if (status == 401 || status == 403)
-    return {ErrorCode::kUnauthorized, server + " refuses the connection: " + answer};
-  if (status == 429 || status == 503) return {ErrorCode::kBusy, server + " is busy: " + answer};
-  return {ErrorCode::kUnsupported, server + " is no Hermite server: it answers " + answer};
+    return {ErrorCode::kUnauthorized, fmt::format("{} refuses the connection: {}", server, answer)};
+  if (status == 429 || status == 503)
+    return {ErrorCode::kBusy, fmt::format("{} is busy: {}", server, answer)};
+  return {ErrorCode::kUnsupported,
+          fmt::format("{} is no Hermite server: it answers {}", server, answer)};
 }
 
 // Returns what is wrong with the server's certificate, as text.
@@ -47,10 +50,10 @@ Error distrust(const std::string& server, const beast::error_code& error,
                server::Transport::Tls& tls) {
   const long verdict = SSL_get_verify_result(tls.native_handle());
   if (verdict == X509_V_OK)
-    return {ErrorCode::kIo, "TLS with " + server + " failed: " + error.message()};
-  return {ErrorCode::kUnauthorized, "the certificate of " + server + " is not trusted: " +
-                                        X509_verify_cert_error_string(verdict) +
-                                        " (--ca names a file with the authorities to trust)"};
+    return {ErrorCode::kIo, fmt::format("TLS with {} failed: {}", server, error.message())};
+  return {ErrorCode::kUnauthorized, fmt::format("the certificate of {} is not trusted: {} (--ca "
+                                                "names a file with the authorities to trust)",
+                                                server, X509_verify_cert_error_string(verdict))};
 }
 
 // Performs the TLS handshake, accepting only the server that `url` names.
@@ -94,12 +97,13 @@ asio::awaitable<void> connect_socket(ClientSocket& socket, const ServerUrl& url,
   const auto addresses =
       co_await resolver.async_resolve(url.host, std::to_string(url.port), then());
   if (error) {
-    failure = Error{ErrorCode::kIo, "cannot find " + server + ": " + error.message()};
+    failure = Error{ErrorCode::kIo, fmt::format("cannot find {}: {}", server, error.message())};
     co_return;
   }
   co_await beast::get_lowest_layer(socket).async_connect(addresses, then());
   if (error) {
-    failure = Error{ErrorCode::kIo, "cannot connect to " + server + ": " + error.message()};
+    failure =
+        Error{ErrorCode::kIo, fmt::format("cannot connect to {}: {}", server, error.message())};
     co_return;
   }
   beast::get_lowest_layer(socket).socket().set_option(tcp::no_delay(true));
@@ -114,19 +118,19 @@ asio::awaitable<void> connect_socket(ClientSocket& socket, const ServerUrl& url,
   }
   if (response[http::field::sec_websocket_protocol] != wire::kSubprotocol) {
     failure = Error{ErrorCode::kUnsupported,
-                    server + " does not speak the protocol " + wire::kSubprotocol};
+                    fmt::format("{} does not speak the protocol {}", server, wire::kSubprotocol)};
   }
 }
 
 std::string why_ended(const ClientSocket& socket, const beast::error_code& error) {
   if (error == websocket::error::closed) {
     const auto& reason = socket.reason();
-    return "the server closed it (code " + std::to_string(reason.code) +
-           (reason.reason.empty() ? "" : ", ") +
-           std::string(reason.reason.data(), reason.reason.size()) + ")";
+    return fmt::format("the server closed it (code {}{}{})", reason.code,
+                       reason.reason.empty() ? "" : ", ",
+                       std::string(reason.reason.data(), reason.reason.size()));
   }
   if (error == beast::error::timeout)
-    return "no sign of life for " + std::to_string(kSilence.count()) + " s";
+    return fmt::format("no sign of life for {} s", kSilence.count());
   return error.message();
 }
 

@@ -1,5 +1,7 @@
 #include "server/client/connection.h"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include <boost/asio/co_spawn.hpp>
@@ -52,7 +54,7 @@ struct Connection::Impl {
 
   void start_reading() {
     socket.async_read(incoming, [this](const beast::error_code& error, std::size_t) {
-      if (error) return end("the connection to " + server + " ended", error);
+      if (error) return end(fmt::format("the connection to {} ended", server), error);
       received = beast::buffers_to_string(incoming.data());
       incoming.consume(incoming.size());
       happened = true;
@@ -96,8 +98,8 @@ Result<std::unique_ptr<Connection>> Connection::open(const ServerUrl& url,
       [&connected, raw = impl.get()](std::exception_ptr) { connected = raw->happened = true; });
   impl->run_until(std::chrono::steady_clock::now() + patience);
   if (!connected) {
-    return Error{ErrorCode::kIo, impl->server + " does not answer within " +
-                                     std::to_string(patience.count()) + " ms"};
+    return Error{ErrorCode::kIo,
+                 fmt::format("{} does not answer within {} ms", impl->server, patience.count())};
   }
   if (failure) return *failure;
   impl->start_reading();

@@ -1,5 +1,7 @@
 #include "server/client/download.h"
 
+#include <fmt/core.h>
+
 #include <charconv>
 #include <filesystem>
 #include <fstream>
@@ -20,7 +22,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::chrono::milliseconds kPollPeriod(500), kAwayPause(2000);
 
 std::string exports_path(const DownloadTarget& target) {
-  return "/api/v1/scans/" + target.scan_id + "/exports";
+  return fmt::format("/api/v1/scans/{}/exports", target.scan_id);
 }
 
 ExportReport report_of(const Json& json) {
@@ -61,8 +63,7 @@ class Downloading {
     while (come_bytes < total_bytes) {
       const std::uint64_t last = come_bytes + target_.piece_bytes - 1;
       HttpCall call{"GET", exports_path(target_) + "/" + target_.format, {}, {}};
-      call.headers.emplace_back("Range",
-                                "bytes=" + std::to_string(come_bytes) + "-" + std::to_string(last));
+      call.headers.emplace_back("Range", fmt::format("bytes={}-{}", come_bytes, last));
       if (!version.empty()) call.headers.emplace_back("If-Range", version);
       const Result<HttpReply> piece = ask(call);
       if (!piece.ok()) return piece.error();
@@ -114,8 +115,8 @@ class Downloading {
       if (report.state == "ready") return Done{};
       if (report.state != "queued" && report.state != "running")
         return Error{ErrorCode::kIo,
-                     target_.format + " was not made: " +
-                         (report.message.empty() ? "it was stopped" : report.message)};
+                     fmt::format("{} was not made: {}", target_.format,
+                                 report.message.empty() ? "it was stopped" : report.message)};
       if (observer_.on_state) observer_.on_state(report);
     }
   }
@@ -155,7 +156,8 @@ Status download(const DownloadTarget& target, const std::string& path,
     if (taken.ok() && !file) taken = Error{ErrorCode::kIo, "cannot write " + unfinished};
   }
   if (taken.ok()) std::filesystem::rename(unfinished, path, error);
-  if (error) taken = Error{ErrorCode::kIo, "renaming " + unfinished + ": " + error.message()};
+  if (error)
+    taken = Error{ErrorCode::kIo, fmt::format("renaming {}: {}", unfinished, error.message())};
   if (!taken.ok()) std::filesystem::remove(unfinished, error);
   return taken;
 }

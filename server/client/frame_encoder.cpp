@@ -1,5 +1,7 @@
 #include "server/client/frame_encoder.h"
 
+#include <fmt/core.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <deque>
@@ -66,7 +68,7 @@ EncodedFrame encode_frame(const dataset::Sequence& sequence, std::int64_t index,
   encoded.frame.timestamp_s = sequence.timestamp_s(index);
   const Status status = encode_recording(sequence, encoding, encoded);
   if (!status.ok()) {
-    encoded.problem = "frame " + std::to_string(index) + ": " + status.error().message;
+    encoded.problem = fmt::format("frame {}: {}", index, status.error().message);
     encode_black(sequence.camera(), encoding, encoded);
   }
   return encoded;

@@ -2,6 +2,7 @@
 
 #include <utility>  // before asio/awaitable.hpp, see transport.h
 
+#include <fmt/core.h>
 #include <openssl/ssl.h>
 
 #include <algorithm>
@@ -30,7 +31,7 @@ using boost::system::error_code;
 constexpr std::chrono::seconds kPatience(60);  // without progress
 
 Error io_error(const ServerUrl& server, const std::string& what) {
-  return {ErrorCode::kIo, "the server at " + server.host_and_port() + ": " + what};
+  return {ErrorCode::kIo, fmt::format("the server at {}: {}", server.host_and_port(), what)};
 }
 
 asio::awaitable<error_code> open(server::Transport& stream, const ServerUrl& server,
@@ -107,11 +108,11 @@ ErrorCode code_of(int status) {
 std::string request_text(const ServerUrl& server, const HttpCall& call) {
   // A server that listens on all addresses accepts the name of the loopback address.
   const bool any = server.host == "0.0.0.0" || server.host == "::";
-  std::string text = call.method + " " + call.path +
-                     " HTTP/1.1\r\nHost: " + (any ? "localhost" : server.host_and_port()) +
-                     "\r\nConnection: close\r\nAuthorization: Bearer " + server.token + "\r\n";
-  for (const auto& [name, value] : call.headers) text += name + ": " + value + "\r\n";
-  return text + "Content-Length: " + std::to_string(call.body.size()) + "\r\n\r\n" + call.body;
+  std::string text =
+      fmt::format("{} {} HTTP/1.1\r\nHost: {}\r\nConnection: close\r\nAuthorization: Bearer {}\r\n",
+                  call.method, call.path, any ? "localhost" : server.host_and_port(), server.token);
+  for (const auto& [name, value] : call.headers) text += fmt::format("{}: {}\r\n", name, value);
+  return fmt::format("{}Content-Length: {}\r\n\r\n{}", text, call.body.size(), call.body);
 }
 
 }  // namespace
@@ -121,7 +122,7 @@ std::optional<std::string> HttpReply::field(const std::string& name) const {
     for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     return text;
   };
-  const std::string lowered = lower(header), wanted = "\r\n" + lower(name) + ":";
+  const std::string lowered = lower(header), wanted = fmt::format("\r\n{}:", lower(name));
   const std::size_t at = lowered.find(wanted);
   if (at == std::string::npos) return std::nullopt;
   const std::size_t end = header.find("\r\n", at + 2);
@@ -168,7 +169,7 @@ Result<std::string> accepted_body(const ServerUrl& server, const server::TlsCont
 
 Error refusal(const HttpReply& reply) {
   const nlohmann::json json = nlohmann::json::parse(reply.body, nullptr, false);
-  const std::string otherwise = "it answered with HTTP " + std::to_string(reply.status);
+  const std::string otherwise = fmt::format("it answered with HTTP {}", reply.status);
   const bool has_message = json.is_object() && json.contains("error") && json["error"].is_object();
   return {code_of(reply.status),
           has_message ? json["error"].value("message", otherwise) : otherwise};

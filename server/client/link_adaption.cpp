@@ -1,5 +1,7 @@
 #include "server/client/link_adaption.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 
@@ -33,10 +35,9 @@ LinkLevel link_level(int level) {
 
 std::string as_text(const LinkLevel& level) {
   if (!level.jpeg_quality) return {};
-  const std::string color = "colour q" + std::to_string(*level.jpeg_quality);
+  const std::string color = fmt::format("colour q{}", *level.jpeg_quality);
   if (level.kept_frames == level.of_frames) return color;
-  return color + ", " + std::to_string(level.kept_frames) + " of " +
-         std::to_string(level.of_frames) + " frames";
+  return fmt::format("{}, {} of {} frames", color, level.kept_frames, level.of_frames);
 }
 
 LinkState after_a_second(LinkState state, const LinkCounts& counts) {

@@ -1,5 +1,7 @@
 #include "server/client/load_camera.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <optional>
 #include <random>
@@ -111,9 +113,8 @@ void FollowedScan::ended(const Result<StreamOutcome>& outcome) {
   } else {
     ++load_.scans_failed;
     const bool too_late = wish > 1 && !shared_.clock.interrupted();
-    count_message(load_.other, too_late ? "no report within " +
-                                              std::to_string(kLoadEndPatience.count()) +
-                                              " s after the end"
+    count_message(load_.other, too_late ? fmt::format("no report within {} s after the end",
+                                                      kLoadEndPatience.count())
                                         : outcome.error().message);
   }
   add_counts();
@@ -169,8 +170,7 @@ CameraLoad run_load_camera(const LoadCameras& shared, int number,
   Backoff backoff(std::random_device{}());
   while (shared.clock.wish() == 0) {
     StreamRequest request = shared.request;
-    request.title +=
-        ", camera " + std::to_string(number) + ", scan " + std::to_string(load.scans_begun + 1);
+    request.title += fmt::format(", camera {}, scan {}", number, load.scans_begun + 1);
     LoadCameraFrames frames(shared.frames);
     FollowedScan scan(shared, load);
     const StreamObserver observer = scan.observer();

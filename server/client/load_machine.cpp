@@ -1,5 +1,6 @@
 #include "server/client/load_machine.h"
 
+#include <fmt/core.h>
 #include <sys/resource.h>
 #include <time.h>
 
@@ -48,9 +49,10 @@ Status allow_open_files(std::uint64_t count) {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= count) return Done{};
   if (limit.rlim_max < count)
-    return Error{ErrorCode::kTooLarge, "this needs " + std::to_string(count) +
-                                           " open files, and the system allows this process " +
-                                           std::to_string(limit.rlim_max) + " (ulimit -n)"};
+    return Error{
+        ErrorCode::kTooLarge,
+        fmt::format("this needs {} open files, and the system allows this process {} (ulimit -n)",
+                    count, limit.rlim_max)};
   limit.rlim_cur = count;
   if (setrlimit(RLIMIT_NOFILE, &limit) != 0)
     return Error{ErrorCode::kIo, "the limit of open files cannot be raised"};

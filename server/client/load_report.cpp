@@ -1,5 +1,7 @@
 #include "server/client/load_report.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -22,7 +24,7 @@ constexpr double kOfferedInTime = 0.95;
 double as_double(std::uint64_t count) { return static_cast<double>(count); }
 
 std::string plural(std::uint64_t count, const char* one) {
-  return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
+  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
 }
 
 std::string bytes_text(double bytes) {
@@ -78,8 +80,8 @@ std::string table(const LoadResult& result, const CameraLoad& all) {
     text += row(std::to_string(index + 1), result.cameras[index]);
   text += row("all", all);
   if (shown.size() < result.cameras.size())
-    text += "(the " + std::to_string(shown.size()) + " cameras of " +
-            std::to_string(result.cameras.size()) + " with the longest p95; --json has all)\n";
+    text += fmt::format("(the {} cameras of {} with the longest p95; --json has all)\n",
+                        shown.size(), result.cameras.size());
   return text;
 }
 
@@ -94,51 +96,50 @@ std::string waiting_text(const LoadResult& result, const CameraLoad& all) {
                                      [](const CameraLoad& one) { return one.without_place; });
   if (waited == 0) return "no camera had to wait for a place";
   const TimeSummary waits = summary_of(all.wait_s);
-  std::string text = plural(static_cast<std::uint64_t>(waited), "camera") +
-                     " had to wait for a place, " +
-                     printf_text("%.1f s (median), %.1f s at most", waits.median, waits.largest);
-  if (without > 0) text += "; " + std::to_string(without) + " still waited at the end";
+  std::string text = fmt::format(
+      "{} had to wait for a place, {}", plural(static_cast<std::uint64_t>(waited), "camera"),
+      printf_text("%.1f s (median), %.1f s at most", waits.median, waits.largest));
+  if (without > 0) text += fmt::format("; {} still waited at the end", without);
   return text;
 }
 
 std::string viewers_text(const LoadResult& result) {
   const ViewerLoad& viewers = result.viewers;
   const double each_s = std::max(viewers.watched_s, 1e-3);
-  std::string text =
-      plural(viewers.watched, "scan") + " watched, for " +
-      printf_text("%.0f s together; ", viewers.watched_s) +
-      bytes_text(as_double(viewers.received_bytes) / each_s) + "/s and " +
-      printf_text("%.1f messages/s for each viewer; ", as_double(viewers.messages) / each_s) +
-      std::to_string(viewers.refused) + " refused, " + std::to_string(viewers.disconnected) +
-      " disconnected\n";
+  std::string text = fmt::format(
+      "{} watched, for {}{}/s and {}{} refused, {} disconnected\n", plural(viewers.watched, "scan"),
+      printf_text("%.0f s together; ", viewers.watched_s),
+      bytes_text(as_double(viewers.received_bytes) / each_s),
+      printf_text("%.1f messages/s for each viewer; ", as_double(viewers.messages) / each_s),
+      viewers.refused, viewers.disconnected);
   const TimeSummary snapshots = summary_of(viewers.snapshot_ms);
   if (snapshots.count == 0) return text + "         none got the whole snapshot";
-  return text + "         the whole snapshot after " +
-         printf_text("%.0f ms (median), %.0f ms (p95), %.0f ms at most", snapshots.median,
-                     snapshots.p95, snapshots.largest);
+  return fmt::format("{}         the whole snapshot after {}", text,
+                     printf_text("%.0f ms (median), %.0f ms (p95), %.0f ms at most",
+                                 snapshots.median, snapshots.p95, snapshots.largest));
 }
 
 std::string bytes_line(const LoadResult& result, const CameraLoad& all) {
   const double seconds = std::max(result.seconds, 1e-3);
   const double up = as_double(all.sent_bytes + result.viewers.sent_bytes),
                down = as_double(result.viewers.received_bytes);
-  return bytes_text(up) + " up (" + bytes_text(up / seconds) + "/s), " + bytes_text(down) +
-         " down to viewers (" + bytes_text(down / seconds) +
-         "/s); the short answers to cameras are not counted";
+  return fmt::format(
+      "{} up ({}/s), {} down to viewers ({}/s); the short answers to cameras are not counted",
+      bytes_text(up), bytes_text(up / seconds), bytes_text(down), bytes_text(down / seconds));
 }
 
 std::string messages_text(const char* name, const MessageCounts& counts) {
   std::string text;
   for (const auto& [message, times] : counts)
-    text += line(name, std::to_string(times) + " x " + message);
+    text += line(name, fmt::format("{} x {}", times, message));
   return text;
 }
 
 std::string cleaning_text(const LoadCleaning& cleaning) {
-  std::string text = std::to_string(cleaning.deleted) + " deleted";
+  std::string text = fmt::format("{} deleted", cleaning.deleted);
   if (!cleaning.left.empty())
-    text += ", " + std::to_string(cleaning.left.size()) +
-            " left on the server with the tag \"load test\": " + cleaning.why_left;
+    text += fmt::format(", {} left on the server with the tag \"load test\": {}",
+                        cleaning.left.size(), cleaning.why_left);
   return text;
 }
 
@@ -219,19 +220,21 @@ std::vector<std::string> load_notes(const LoadResult& result) {
 
 std::string format_load_report(const LoadResult& result) {
   const CameraLoad all = sum_of(result.cameras);
-  std::string text = plural(static_cast<std::uint64_t>(result.camera_count), "camera") + " and " +
-                     plural(static_cast<std::uint64_t>(result.viewer_count), "viewer") +
-                     printf_text(" for %.1f s, live at %.1f frames per second\n\n", result.seconds,
-                                 result.rate_hz);
+  std::string text =
+      fmt::format("{} and {}{}", plural(static_cast<std::uint64_t>(result.camera_count), "camera"),
+                  plural(static_cast<std::uint64_t>(result.viewer_count), "viewer"),
+                  printf_text(" for %.1f s, live at %.1f frames per second\n\n", result.seconds,
+                              result.rate_hz));
   text += table(result, all);
   text +=
       "An answer's time is from sending a frame to its result. A frame without an answer has no "
       "time: the more there are, the less the\n"
       "percentiles say.\n\n";
   text += line("waiting", waiting_text(result, all));
-  text += line("links", plural(all.reconnects, "reconnect") + "; " +
-                            plural(all.refused, "attempt") + " to begin a scan refused, " +
-                            plural(all.scans_failed, "scan") + " failed");
+  text +=
+      line("links", fmt::format("{}; {} to begin a scan refused, {} failed",
+                                plural(all.reconnects, "reconnect"), plural(all.refused, "attempt"),
+                                plural(all.scans_failed, "scan")));
   if (result.viewer_count > 0) text += line("viewers", viewers_text(result));
   text += line("bytes", bytes_line(result, all));
   text += line("client", printf_text("used %.2f of %d cores", result.machine.cores_used,
@@ -244,8 +247,8 @@ std::string format_load_report(const LoadResult& result) {
       std::count_if(result.cameras.begin(), result.cameras.end(), got_through));
   text += line("result", all_got_through(result)
                              ? std::string("every camera got through")
-                             : std::to_string(through) + " of " +
-                                   plural(result.cameras.size(), "camera") + " got through");
+                             : fmt::format("{} of {} got through", through,
+                                           plural(result.cameras.size(), "camera")));
   return text;
 }
 

@@ -1,5 +1,7 @@
 #include "server/client/load_viewers.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <deque>
 #include <optional>
@@ -197,7 +199,7 @@ void LoadViewer::handle(std::string_view bytes) {
   } else if (const auto* state = std::get_if<wire::ScanState>(&*message)) {
     scan_ended_ = state->phase != wire::ScanPhase::kRunning;
   } else if (const auto* said = std::get_if<wire::ErrorMessage>(&*message)) {
-    error_ = "the server says: " + said->message + " (" + said->code + ")";
+    error_ = fmt::format("the server says: {} ({})", said->message, said->code);
   }
 }
 

@@ -1,5 +1,7 @@
 #include "server/client/outgoing_frames.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <utility>
@@ -55,10 +57,9 @@ Status OutgoingFrames::number_next(SteadyTime now) {
   encoded->frame.sequence = sent_.numbered_count();
   std::string message = wire::format_client_message(std::move(encoded->frame));
   if (message.size() > max_message_bytes_) {
-    return Error{ErrorCode::kTooLarge, "frame " + std::to_string(encoded->index) + " takes " +
-                                           std::to_string(message.size()) +
-                                           " bytes, the server accepts " +
-                                           std::to_string(max_message_bytes_)};
+    return Error{ErrorCode::kTooLarge,
+                 fmt::format("frame {} takes {} bytes, the server accepts {}", encoded->index,
+                             message.size(), max_message_bytes_)};
   }
   sent_.add(std::move(message));
   return Done{};

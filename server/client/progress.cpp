@@ -1,5 +1,7 @@
 #include "server/client/progress.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <ostream>
@@ -18,7 +20,7 @@ constexpr double kMaxShown_s = 100.0 * 3600;
 double rounded(double length_m) { return std::round(length_m * 100) / 100 + 0.0; }
 
 std::string count_of(std::uint64_t count, const char* what) {
-  return count == 0 ? std::string() : "  " + std::to_string(count) + " " + what;
+  return count == 0 ? std::string() : fmt::format("  {} {}", count, what);
 }
 
 // A mean over a shorter time is meaningless.
@@ -42,16 +44,15 @@ std::string format_duration(double seconds) {
 }
 
 std::string format_summary(const StreamProgress& progress) {
-  std::string text = "scan " + progress.scan_id +
-                     " is finished: " + std::to_string(progress.sent_frames) + " frames sent in " +
-                     format_duration(progress.elapsed_s) + ", " +
-                     std::to_string(progress.tracked_frames) + " tracked";
+  std::string text = fmt::format("scan {} is finished: {} frames sent in {}, {} tracked",
+                                 progress.scan_id, progress.sent_frames,
+                                 format_duration(progress.elapsed_s), progress.tracked_frames);
   const std::uint64_t dropped = progress.dropped_frames + progress.server_dropped_frames;
-  if (dropped > 0) text += ", " + std::to_string(dropped) + " dropped";
+  if (dropped > 0) text += fmt::format(", {} dropped", dropped);
   if (progress.left_out_frames > 0)
-    text += ", " + std::to_string(progress.left_out_frames) + " left out for a slow link";
+    text += fmt::format(", {} left out for a slow link", progress.left_out_frames);
   if (progress.problem_frames > 0)
-    text += ", " + std::to_string(progress.problem_frames) + " with problems";
+    text += fmt::format(", {} with problems", progress.problem_frames);
   text += printf_text(", %.1f Mbit/s", sent_Mbit_per_s(progress));
   return progress.last_message.empty() ? text : text + "; " + progress.last_message;
 }
@@ -59,8 +60,8 @@ std::string format_summary(const StreamProgress& progress) {
 // Empty before the first tracked frame.
 std::string way_back_text(const wire::FrameResult& result) {
   if (!result.last_tracked) return {};
-  return " - go back to what was seen " +
-         format_duration(result.timestamp_s - result.last_tracked->timestamp_s) + " ago";
+  return fmt::format(" - go back to what was seen {} ago",
+                     format_duration(result.timestamp_s - result.last_tracked->timestamp_s));
 }
 
 std::string within_text(const wire::FrameResult& result) {
@@ -73,7 +74,7 @@ std::string within_text(const wire::FrameResult& result) {
 std::string tracking_text(const wire::FrameResult& result) {
   if (result.status == wire::TrackingStatus::kTracked) return "  tracked" + within_text(result);
   if (result.status == wire::TrackingStatus::kWeak) return "  weak: " + result.reason;
-  return "  LOST: " + result.reason + way_back_text(result);
+  return fmt::format("  LOST: {}{}", result.reason, way_back_text(result));
 }
 
 // Smaller corrections are not mentioned.
@@ -86,19 +87,19 @@ std::string correction_text(double correction_m) {
 }
 
 std::string format_event(const wire::FrameResult& result) {
-  const std::string frame = "frame " + std::to_string(result.sequence) + ": ";
+  const std::string frame = fmt::format("frame {}: ", result.sequence);
   switch (result.event) {
     case wire::MapEvent::kNone: break;
-    case wire::MapEvent::kLost: return frame + "lost: " + result.reason;
+    case wire::MapEvent::kLost: return fmt::format("{}lost: {}", frame, result.reason);
     case wire::MapEvent::kFoundAgain: return frame + "found again";
     case wire::MapEvent::kNewPart:
       return frame + "a new part of the map begins: it will be joined when the camera sees both";
     case wire::MapEvent::kJoined: return frame + "two parts of the map are joined";
     case wire::MapEvent::kLoopClosed:
-      return frame + "loop closed: " + correction_text(result.correction_m);
+      return fmt::format("{}loop closed: {}", frame, correction_text(result.correction_m));
     case wire::MapEvent::kRecalibrated:
-      return frame + "the camera's calibration was off and is corrected: " +
-             correction_text(result.correction_m);
+      return fmt::format("{}the camera's calibration was off and is corrected: {}", frame,
+                         correction_text(result.correction_m));
   }
   return {};
 }
@@ -107,10 +108,9 @@ std::string format_progress(const StreamProgress& progress) {
   const auto total = static_cast<std::uint64_t>(progress.frame_count);
   const double processed_per_s =
       per_second(static_cast<double>(progress.processed_frames), progress);
-  std::string text =
-      "frame " + std::to_string(progress.processed_frames) + "/" + std::to_string(total) +
-      " (sent " + std::to_string(progress.sent_frames) + ")" +
-      printf_text("  %.1f fps  %.1f Mbit/s", processed_per_s, sent_Mbit_per_s(progress));
+  std::string text = fmt::format(
+      "frame {}/{} (sent {}){}", progress.processed_frames, total, progress.sent_frames,
+      printf_text("  %.1f fps  %.1f Mbit/s", processed_per_s, sent_Mbit_per_s(progress)));
   if (progress.last_result) {
     const auto& position_m = progress.last_result->world_from_camera.translation;
     text += printf_text("  position %.2f %.2f %.2f m", rounded(position_m.x()),
@@ -125,7 +125,8 @@ std::string format_progress(const StreamProgress& progress) {
   if (progress.finishing && answered >= progress.sent_frames) return text + "  finishing";
   const std::uint64_t done = answered + progress.dropped_frames + progress.left_out_frames;
   if (processed_per_s > 0 && done < total)
-    text += "  " + format_duration(static_cast<double>(total - done) / processed_per_s) + " left";
+    text += fmt::format("  {} left",
+                        format_duration(static_cast<double>(total - done) / processed_per_s));
   return text;
 }
 

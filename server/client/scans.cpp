@@ -1,5 +1,7 @@
 #include "server/client/scans.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -85,7 +87,7 @@ Result<std::vector<ScanSummary>> list_scans(const ApiTarget& target, std::size_t
       if (scans.size() < at_most) scans.push_back(scan_of(one));
     const auto said = answer->find("more");
     more = said != answer->end() && *said == true && !page.empty();
-    if (more) path = std::string(kScans) + "?older-than=" + text_member(page.back(), "id");
+    if (more) path = fmt::format("{}?older-than={}", kScans, text_member(page.back(), "id"));
   }
   return scans;
 }

@@ -1,5 +1,7 @@
 #include "server/client/sent_frames.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "core/base/check.h"
@@ -24,10 +26,9 @@ void SentFrames::durable(std::uint64_t count) {
 
 Status SentFrames::resume_at(std::uint64_t sequence) {
   if (sequence < first_kept_ || sequence > numbered_count())
-    return Error{ErrorCode::kIo, "the server wants to go on with frame " +
-                                     std::to_string(sequence) + ", but here are only frames " +
-                                     std::to_string(first_kept_) + " to " +
-                                     std::to_string(numbered_count()) + " (exclusive)"};
+    return Error{ErrorCode::kIo, fmt::format("the server wants to go on with frame {}, but here "
+                                             "are only frames {} to {} (exclusive)",
+                                             sequence, first_kept_, numbered_count())};
   sent_count_ = sequence;
   return Done{};
 }

@@ -1,5 +1,7 @@
 #include "server/client/server_answers.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <type_traits>
 #include <utility>
@@ -16,7 +18,7 @@ Error error_from(const wire::ErrorMessage& said) {
   for (int value = 0; value <= static_cast<int>(ErrorCode::kBusy); ++value) {
     if (said.code == name_of(static_cast<ErrorCode>(value))) code = static_cast<ErrorCode>(value);
   }
-  return {code, "the server says: " + said.message + " (" + said.code + ")"};
+  return {code, fmt::format("the server says: {} ({})", said.message, said.code)};
 }
 
 // For viewers or from a newer server: a camera ignores them.
@@ -69,8 +71,9 @@ struct ServerAnswers::Reader {
   void operator()(const wire::Resumed& resumed) { answers.resumed_ = resumed; }
 
   void operator()(const wire::NotResumed& refused) {
-    answers.failure_ = Error{ErrorCode::kIo, "the server does not go on with scan " +
-                                                 report.progress.scan_id + ": " + refused.reason};
+    answers.failure_ =
+        Error{ErrorCode::kIo, fmt::format("the server does not go on with scan {}: {}",
+                                          report.progress.scan_id, refused.reason)};
   }
 
   void operator()(const wire::GoAway& away) {
@@ -83,10 +86,10 @@ struct ServerAnswers::Reader {
     // Reported when it changes, for users who wait.
     if (!before || before->before != waiting.before ||
         (before->expected_s == 0 && waiting.expected_s > 0))
-      report.tell_link(
-          "no place on the server yet, waiting" +
-          (waiting.before > 0 ? " behind " + std::to_string(waiting.before) + " others" : "") +
-          (waiting.expected_s > 0 ? ", about " + std::to_string(waiting.expected_s) + " s" : ""));
+      report.tell_link(fmt::format(
+          "no place on the server yet, waiting{}{}",
+          waiting.before > 0 ? fmt::format(" behind {} others", waiting.before) : "",
+          waiting.expected_s > 0 ? fmt::format(", about {} s", waiting.expected_s) : ""));
     answers.waiting_ = waiting;
     answers.waiting_said_at_ = now;
   }
@@ -103,8 +106,8 @@ struct ServerAnswers::Reader {
       answers.failure_ = error_from(error);
       return;
     }
-    report.tell_problem("frame number " + std::to_string(error.sequence) + ": " +
-                        error_from(error).message);
+    report.tell_problem(
+        fmt::format("frame number {}: {}", error.sequence, error_from(error).message));
   }
 
   void operator()(const wire::SubmapPoses&) {}

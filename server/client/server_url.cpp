@@ -1,5 +1,7 @@
 #include "server/client/server_url.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -75,14 +77,14 @@ std::string token_of(std::string_view fragment) {
 
 std::string ServerUrl::host_and_port() const {
   const bool is_ipv6 = host.find(':') != std::string::npos;
-  return (is_ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
+  return fmt::format("{}:{}", is_ipv6 ? fmt::format("[{}]", host) : host, port);
 }
 
 Result<ServerUrl> parse_server_url(const std::string& text) {
   const std::size_t hash = std::min(text.find('#'), text.size());
   const std::string shown = text.substr(0, hash);  // messages must not contain the token
   const auto failure = [&](const std::string& message) -> Result<ServerUrl> {
-    return Error{ErrorCode::kInvalidArgument, "server URL \"" + shown + "\": " + message};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("server URL \"{}\": {}", shown, message)};
   };
   const std::size_t scheme_end = shown.find("://");
   const std::string scheme = shown.substr(0, scheme_end);

@@ -1,5 +1,7 @@
 #include "server/client/stream_session.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <random>
 #include <thread>
@@ -110,12 +112,12 @@ Status StreamSession::greet() {
 }
 
 Status StreamSession::resume(const Error& lost) {
-  report_.tell_link("connection lost with " + std::to_string(frames_.first_kept()) +
-                    " frames durable, trying to get it back: " + lost.message);
+  report_.tell_link(fmt::format("connection lost with {} frames durable, trying to get it back: {}",
+                                frames_.first_kept(), lost.message));
   if (Status status = get_back(lost, [this] { return ask_to_resume(); }); !status.ok())
     return status;
   ++report_.progress.resumed_count;
-  report_.tell_link("connected again, going on with frame " + std::to_string(frames_.sent_count()));
+  report_.tell_link(fmt::format("connected again, going on with frame {}", frames_.sent_count()));
   return Done{};
 }
 
@@ -229,8 +231,9 @@ Status StreamSession::step(std::optional<SteadyTime> next_event) {
   if (now - std::max(quiet_since_, answers_.last_news()) > request_.silence_patience) {
     const auto patience_s =
         std::chrono::duration_cast<std::chrono::seconds>(request_.silence_patience).count();
-    return Error{ErrorCode::kIo, "no word from the server for " + std::to_string(patience_s) +
-                                     " s although it has work to do"};
+    return Error{
+        ErrorCode::kIo,
+        fmt::format("no word from the server for {} s although it has work to do", patience_s)};
   }
   return Done{};
 }

@@ -1,6 +1,7 @@
 #include "server/client/upload.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -41,7 +42,8 @@ Result<std::string> read_part(int descriptor, const std::string& path, std::int6
     const ssize_t more =
         pread(descriptor, bytes.data() + got, static_cast<std::size_t>(count - got), offset + got);
     if (more < 0 && errno == EINTR) continue;
-    if (more < 0) return Error{ErrorCode::kIo, "reading " + path + ": " + std::strerror(errno)};
+    if (more < 0)
+      return Error{ErrorCode::kIo, fmt::format("reading {}: {}", path, std::strerror(errno))};
     if (more == 0) return Error{ErrorCode::kIo, path + " has become shorter"};
     got += more;
   }
@@ -53,13 +55,13 @@ Result<ByteSource> open_file(const std::string& path) {
   struct stat status {};
   if (file->descriptor() < 0 || fstat(file->descriptor(), &status) != 0)
     return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
-                 "opening " + path + ": " + std::strerror(errno)};
+                 fmt::format("opening {}: {}", path, std::strerror(errno))};
   if (!S_ISREG(status.st_mode))
     return Error{ErrorCode::kInvalidArgument, path + " is neither a file nor a folder"};
   const std::int64_t size_bytes = status.st_size;
   const std::string fingerprint =
-      std::to_string(size_bytes) + " " + std::to_string(status.st_mtim.tv_sec) + "." +
-      std::to_string(status.st_mtim.tv_nsec) + " " + fs::path(path).filename().string();
+      fmt::format("{} {}.{} {}", size_bytes, status.st_mtim.tv_sec, status.st_mtim.tv_nsec,
+                  fs::path(path).filename().string());
   return ByteSource{size_bytes, fingerprint,
                     [file, path, size_bytes](std::int64_t offset, std::int64_t count) {
                       return read_part(file->descriptor(), path, offset,
@@ -76,7 +78,7 @@ class Sender {
     for (const auto& [key, value] : metadata)
       metadata_ += (metadata_.empty() ? "" : ",") + key + " " + server::encode_base64(value);
     const std::string known_by =
-        target_.server.host_and_port() + "\n" + metadata_ + "\n" + source_.fingerprint;
+        fmt::format("{}\n{}\n{}", target_.server.host_and_port(), metadata_, source_.fingerprint);
     if (!target_.notes_folder.empty())
       note_path_ = target_.notes_folder + "/" + digest::sha256_hex(known_by);
   }
@@ -140,7 +142,7 @@ class Sender {
     offset_ = *offset;
     got_on();
     if (*offset > 0 && observer_.on_link)
-      observer_.on_link("going on at " + std::to_string(*offset / 1'000'000) + " MB");
+      observer_.on_link(fmt::format("going on at {} MB", *offset / 1'000'000));
     return false;
   }
 
