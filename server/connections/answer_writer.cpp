@@ -1,5 +1,7 @@
 #include "server/connections/answer_writer.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -42,7 +44,7 @@ void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, b
   response.set("Cross-Origin-Resource-Policy", "same-origin");
   if (!answer.download_name.empty())
     response.set(http::field::content_disposition,
-                 "attachment; filename=\"" + answer.download_name + "\"");
+                 fmt::format("attachment; filename=\"{}\"", answer.download_name));
   for (const auto& [name, value] : answer.headers) response.set(name, value);
   if (!answer.allow.empty()) response.set(http::field::allow, answer.allow);
   if (answer.retry_after_s > 0)

@@ -1,6 +1,8 @@
 // The part that all kinds of session (sessions.h) share.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <cstddef>
 #include <deque>
 #include <functional>
@@ -105,8 +107,9 @@ class BasicSession : public Session {
   void handle(wire::Ping& ping) { queue(wire::format_server_message(wire::Pong{ping.id})); }
   void handle(wire::Unknown&) {
     if (++unknown_count_ > kMaxUnknownMessages)
-      fail({ErrorCode::kUnsupported, "more than " + std::to_string(kMaxUnknownMessages) +
-                                         " messages that this server does not know"},
+      fail({ErrorCode::kUnsupported,
+            fmt::format("more than {} messages that this server does not know",
+                        kMaxUnknownMessages)},
            CloseCode::kPolicy);
   }
 

@@ -1,5 +1,7 @@
 #include "server/connections/http_connection.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <boost/asio/redirect_error.hpp>
@@ -61,8 +63,8 @@ std::optional<HttpAnswer> check_request(const Request& request, std::uint64_t bo
   if (body_bytes > 0 && !may_have_body)
     return refuse(400, "only POST and PATCH requests may have a body here");
   if (body_bytes > kMaxBodyBytes && !long_body)
-    return refuse(413, "the body has " + std::to_string(body_bytes) + " bytes, allowed are " +
-                           std::to_string(kMaxBodyBytes));
+    return refuse(413,
+                  fmt::format("the body has {} bytes, allowed are {}", body_bytes, kMaxBodyBytes));
   if (request.count(http::field::host) != 1)
     return refuse(400, "a request must have one Host header");
   if (!host_allowed(hosts, text_of(request[http::field::host])))
@@ -135,7 +137,7 @@ std::optional<HttpAnswer> answer_to(const error_code& error) {
   if (error == http::error::header_limit || error == http::error::buffer_overflow)
     return error_answer(
         431, {ErrorCode::kTooLarge,
-              "the request's header is longer than " + std::to_string(kMaxHeaderBytes) + " bytes"});
+              fmt::format("the request's header is longer than {} bytes", kMaxHeaderBytes)});
   // When the other side closed the connection or the time has run out, nobody reads an answer.
   const bool cut = error == http::error::end_of_stream || error == http::error::partial_message;
   if (cut || error.category() != http::make_error_code(http::error::bad_method).category())

@@ -1,5 +1,7 @@
 #include "server/connections/websocket.h"
 
+#include <fmt/core.h>
+
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/redirect_error.hpp>
@@ -60,8 +62,8 @@ struct Connection {
 // Returns what is wrong with a message, as far as the client can still be told.
 std::optional<Refusal> objection_to(const ReadMessage& read, std::size_t max_bytes) {
   if (read.too_long)
-    return Refusal{{ErrorCode::kTooLarge, "the message is longer than the " +
-                                              std::to_string(max_bytes) + " bytes allowed"},
+    return Refusal{{ErrorCode::kTooLarge,
+                    fmt::format("the message is longer than the {} bytes allowed", max_bytes)},
                    CloseCode::kTooBig};
   if (read.is_text)
     return Refusal{{ErrorCode::kUnsupported, "messages must be binary, this one is text"},
@@ -221,7 +223,7 @@ asio::awaitable<void> serve_websocket(Transport stream,
   const double duration_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   log_with({{}, peer.address, duration_s}, spdlog::level::debug,
-           "connection closed with code " + std::to_string(code));
+           fmt::format("connection closed with code {}", code));
   note_session(*connection, world, peer.address);
   connection->session->disconnected();
   connection->reading = false;
