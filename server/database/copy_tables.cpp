@@ -1,5 +1,7 @@
 #include "server/database/copy_tables.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <bit>
 #include <vector>
@@ -90,8 +92,9 @@ Result<CopySummary> copy_tables(const Select& source, Database& target) {
     for_each_row(from_target, table, columns,
                  [&](const SqlRow& row) { chain(written_digest, row); });
     if (read_digest != written_digest)
-      return Error{ErrorCode::kCorruptData, std::string("the rows of the table ") + table.name +
-                                                " differ after they were copied"};
+      return Error{
+          ErrorCode::kCorruptData,
+          fmt::format("the rows of the table {} differ after they were copied", table.name)};
     if (&table == kCopiedTables.data()) summary.scan_count = count;
     summary.row_count += count;
   }

@@ -1,5 +1,7 @@
 #include "server/database/database.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -56,7 +58,7 @@ std::string RowReader::bytes() { return value_of<SqlBytes>(next(), "bytes").byte
 std::string insertion(const std::string& table, const std::string& columns) {
   const auto count = std::count(columns.begin(), columns.end(), ',') + 1;
   std::string values = "$1";
-  for (int i = 2; i <= count; ++i) values += ",$" + std::to_string(i);
+  for (int i = 2; i <= count; ++i) values += fmt::format(",${}", i);
   return "INSERT INTO " + table + "(" + columns + ") VALUES(" + values + ")";
 }
 

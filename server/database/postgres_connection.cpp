@@ -1,5 +1,6 @@
 #include "server/database/postgres_connection.h"
 
+#include <fmt/core.h>
 #include <libpq-fe.h>
 #include <poll.h>
 
@@ -179,8 +180,9 @@ PostgresConnection::PostgresConnection(const std::string& url,
                                                    : "out of memory");
   PQsetNoticeProcessor(
       connection_.get(), [](void*, const char*) {}, nullptr);
-  run_script("SET search_path = hermite; SET statement_timeout = " +
-             std::to_string(statement_time.count()) + "; SET lock_timeout = " + kLockMilliseconds);
+  run_script(
+      fmt::format("SET search_path = hermite; SET statement_timeout = {}; SET lock_timeout = {}",
+                  statement_time.count(), kLockMilliseconds));
   // A commit is on the server's disk, whatever is usual there.
   run("SELECT set_config('synchronous_commit', 'on', false) WHERE "
       "current_setting('synchronous_commit') = 'off'");

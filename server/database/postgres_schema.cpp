@@ -1,5 +1,7 @@
 #include "server/database/postgres_schema.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <string_view>
 
@@ -149,12 +151,12 @@ void migrate(PostgresConnection& connection) {
   const std::int64_t version = version_of(connection), last = kSteps.size();
   if (version > last)
     throw SetupError(
-        {ErrorCode::kUnsupported, "the database has schema " + std::to_string(version) +
-                                      ", this program knows up to " + std::to_string(last) +
-                                      ": run the newer hermite that wrote it"});
+        {ErrorCode::kUnsupported, fmt::format("the database has schema {}, this program knows up "
+                                              "to {}: run the newer hermite that wrote it",
+                                              version, last)});
   for (std::int64_t step = version; step < last; ++step)
-    connection.run_script("BEGIN;" + std::string(kSteps[static_cast<std::size_t>(step)]) +
-                          "UPDATE about SET version = " + std::to_string(step + 1) + "; COMMIT");
+    connection.run_script(fmt::format("BEGIN;{}UPDATE about SET version = {}; COMMIT",
+                                      kSteps[static_cast<std::size_t>(step)], step + 1));
 }
 
 }  // namespace hermite::server

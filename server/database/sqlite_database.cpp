@@ -1,6 +1,7 @@
 #include "server/database/sqlite_database.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/core.h>
 #include <sqlite3.h>
 #include <sys/stat.h>
 
@@ -33,9 +34,10 @@ void make_files_private(const std::string& path) {
 }
 
 SetupError damaged(const std::string& path, const std::string& found) {
-  return SetupError({ErrorCode::kCorruptData,
-                     "the database " + path + " is damaged (" + found +
-                         "): restore a backup, or move it away; the scans' files are not in it"});
+  return SetupError(
+      {ErrorCode::kCorruptData, fmt::format("the database {} is damaged ({}): restore a backup, or "
+                                            "move it away; the scans' files are not in it",
+                                            path, found)});
 }
 
 void check_whole(SQLite::Database& database, const std::string& path) {
@@ -98,7 +100,8 @@ SqliteDatabase::SqliteDatabase(const std::string& path) : path_(path) {
     connection_->set({"journal_mode = WAL", "synchronous = FULL", "journal_size_limit = 67108864"});
   } catch (const SQLite::Exception& failure) {
     if (failure.getErrorCode() == SQLITE_CORRUPT) throw damaged(path, failure.what());
-    throw SetupError({ErrorCode::kIo, "opening the database " + path + ": " + failure.what()});
+    throw SetupError(
+        {ErrorCode::kIo, fmt::format("opening the database {}: {}", path, failure.what())});
   }
 }
 
@@ -108,7 +111,7 @@ SqlResult SqliteDatabase::run_checked(const std::string& sql,
                                       const std::vector<SqlValue>& values) try {
   SQLite::Statement statement(connection_->database, sql);
   for (std::size_t i = 0; i < values.size(); ++i)
-    bind_value(statement, "$" + std::to_string(i + 1), values[i]);
+    bind_value(statement, fmt::format("${}", i + 1), values[i]);
   SqlResult result;
   for (int i = 0; i < statement.getColumnCount(); ++i)
     result.columns.emplace_back(statement.getColumnName(i));
@@ -142,7 +145,7 @@ void SqliteDatabase::rollback() noexcept { connection_->transaction.reset(); }
 Status SqliteDatabase::check_writable() try {
   // Writes a page to the journal and rolls back.
   SQLite::Transaction transaction(connection_->database, SQLite::TransactionBehavior::IMMEDIATE);
-  connection_->database.exec("PRAGMA user_version = " + std::to_string(schema_version()));
+  connection_->database.exec(fmt::format("PRAGMA user_version = {}", schema_version()));
   return Done{};
 } catch (const SQLite::Exception& failure) {
   return error_of(failure_of(failure), "database");

@@ -1,5 +1,6 @@
 #include "server/database/sqlite_reader.h"
 
+#include <fmt/core.h>
 #include <sqlite3.h>
 
 namespace hermite::server {
@@ -13,7 +14,8 @@ SqliteReader::SqliteReader(const std::string& path) : database_(path, SQLite::OP
 Status check_sqlite_file(const std::string& path) try {
   SqliteReader reader(path);
   const std::string verdict = reader.database().execAndGet("PRAGMA integrity_check(1)").getString();
-  if (verdict != "ok") return Error{ErrorCode::kCorruptData, path + " is damaged: " + verdict};
+  if (verdict != "ok")
+    return Error{ErrorCode::kCorruptData, fmt::format("{} is damaged: {}", path, verdict)};
   return Done{};
 } catch (const SQLite::Exception& failure) {
   const bool corrupt =

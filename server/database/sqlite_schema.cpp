@@ -2,6 +2,7 @@
 
 #include <SQLiteCpp/Backup.h>
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/core.h>
 #include <sqlite3.h>
 
 #include <array>
@@ -171,8 +172,11 @@ int pragma(SQLite::Database& database, const std::string& name) {
 void back_up(SQLite::Database& database, const std::string& path, int version) {
   const std::string backup = backup_path(path, version), partial = backup + ".partial";
   const auto failed = [&backup](const std::string& why) {
-    return SetupError({ErrorCode::kIo, "the database is older than this program and is copied to " +
-                                           backup + " before it is changed: " + why});
+    return SetupError(
+        {ErrorCode::kIo,
+         fmt::format(
+             "the database is older than this program and is copied to {} before it is changed: {}",
+             backup, why)});
   };
   std::error_code error;
   std::filesystem::remove(partial, error);
@@ -193,7 +197,7 @@ void back_up(SQLite::Database& database, const std::string& path, int version) {
 int schema_version() { return static_cast<int>(kMigrations.size()); }
 
 std::string backup_path(const std::string& path, int version) {
-  return path + ".schema-" + std::to_string(version);
+  return fmt::format("{}.schema-{}", path, version);
 }
 
 void migrate(SQLite::Database& database, const std::string& path) {
@@ -203,16 +207,17 @@ void migrate(SQLite::Database& database, const std::string& path) {
   if (!(empty && application == 0) && application != kApplicationId)
     throw SetupError({ErrorCode::kUnsupported, path + " is a database of another program"});
   if (version > schema_version())
-    throw SetupError({ErrorCode::kUnsupported, path + " has schema " + std::to_string(version) +
-                                                   ", this program knows up to " +
-                                                   std::to_string(schema_version()) +
-                                                   ": run the newer hermite that wrote it"});
+    throw SetupError(
+        {ErrorCode::kUnsupported,
+         fmt::format(
+             "{} has schema {}, this program knows up to {}: run the newer hermite that wrote it",
+             path, version, schema_version())});
   if (!empty && version < schema_version()) back_up(database, path, version);
   for (int step = version; step < schema_version(); ++step) {
     SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
     database.exec(std::string(kMigrations[static_cast<std::size_t>(step)]));
-    database.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
-    database.exec("PRAGMA user_version = " + std::to_string(step + 1));
+    database.exec(fmt::format("PRAGMA application_id = {}", kApplicationId));
+    database.exec(fmt::format("PRAGMA user_version = {}", step + 1));
     transaction.commit();
   }
 }
