@@ -1,5 +1,6 @@
 #include "server/disk/retention_clock.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -43,7 +44,7 @@ void RetentionClock::tick(std::int64_t clock_ms, Steady::time_point now) {
 }
 
 void RetentionClock::keep() {
-  if (const Status kept = output::write_file_atomically(path_, std::to_string(now_ms_) + "\n");
+  if (const Status kept = output::write_file_atomically(path_, fmt::format("{}\n", now_ms_));
       !kept.ok())
     spdlog::warn("{}", kept.error().message);
 }

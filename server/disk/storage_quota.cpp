@@ -1,5 +1,7 @@
 #include "server/disk/storage_quota.h"
 
+#include <fmt/core.h>
+
 #include <memory>
 #include <utility>
 
@@ -12,7 +14,7 @@ constexpr std::chrono::seconds kPeriod(5);
 // Measuring takes at most this fraction (1/20) of the time of a thread and a disk.
 constexpr int kShareOfTime = 20;
 
-std::string megabytes(std::uint64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
+std::string megabytes(std::uint64_t bytes) { return fmt::format("{} MB", bytes / 1'000'000); }
 
 }  // namespace
 
@@ -42,10 +44,11 @@ Status StorageQuota::check(std::uint64_t upload_bytes, std::uint64_t more_bytes,
     if (const auto own = sizes_->find(id); own != sizes_->end()) own_bytes += own->second;
   const Share share = storage_share(limit_bytes_);
   const auto busy = [](const std::string& whose, std::uint64_t held, std::int64_t allowed) {
-    return Error{ErrorCode::kBusy,
-                 "the scans and uploads " + whose + " take " + megabytes(held) + " of the " +
-                     megabytes(static_cast<std::uint64_t>(allowed)) +
-                     " that they may take: delete some, or wait until jobs have ended"};
+    return Error{
+        ErrorCode::kBusy,
+        fmt::format("the scans and uploads {} take {} of the {} that they may take: delete some, "
+                    "or wait until jobs have ended",
+                    whose, megabytes(held), megabytes(static_cast<std::uint64_t>(allowed)))};
   };
   const auto fits = [more_bytes](std::uint64_t held, std::int64_t allowed) {
     return held + more_bytes <= static_cast<std::uint64_t>(allowed);
