@@ -1,5 +1,7 @@
 #include "server/exports/build_comparison.h"
 
+#include <fmt/core.h>
+
 #include <mutex>
 #include <utility>
 
@@ -25,16 +27,16 @@ Result<Source> source_of(Blobs& blobs, const std::string& scan_id) {
     if (size_bytes.ok()) return Source{scan_id, file, *size_bytes};
     if (size_bytes.error().code != ErrorCode::kNotFound) return size_bytes.error();
   }
-  return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no points"};
+  return Error{ErrorCode::kNotFound, fmt::format("scan {} has no points", scan_id)};
 }
 
 Status check_memory(const Source& first, const Source& second, const FreeMemory& free_memory) {
   for (const Source& source : {first, second})
     if (source.size_bytes > kMaxComparedCloud_bytes)
       return Error{ErrorCode::kTooLarge,
-                   "scan " + source.scan_id + " has " +
-                       mib(static_cast<double>(source.size_bytes)) + " of points, at most " +
-                       mib(static_cast<double>(kMaxComparedCloud_bytes)) + " are compared"};
+                   fmt::format("scan {} has {} of points, at most {} are compared", source.scan_id,
+                               mib(static_cast<double>(source.size_bytes)),
+                               mib(static_cast<double>(kMaxComparedCloud_bytes)))};
   return check_free_memory(
       "comparing", kCompareMemory * static_cast<double>(first.size_bytes + second.size_bytes),
       free_memory);

@@ -1,5 +1,6 @@
 #include "server/exports/build_export.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -96,8 +97,9 @@ Status ExportBuilder::check_memory(const std::string& scan_id, const std::string
   if (!size_bytes.ok()) return size_bytes.error();
   if (*size_bytes > kMaxMeshedCloud_bytes)
     return Error{ErrorCode::kTooLarge,
-                 "no mesh is made of " + mib(static_cast<double>(*size_bytes)) +
-                     " of points, at most of " + mib(static_cast<double>(kMaxMeshedCloud_bytes))};
+                 fmt::format("no mesh is made of {} of points, at most of {}",
+                             mib(static_cast<double>(*size_bytes)),
+                             mib(static_cast<double>(kMaxMeshedCloud_bytes)))};
   return check_free_memory("its mesh", kMeshMemory * static_cast<double>(*size_bytes),
                            free_memory_);
 }
@@ -124,9 +126,10 @@ Status ExportBuilder::make_mesh(const std::string& scan_id, double share,
       mesh::contour(*std::move(cloud), {}, [&](double done) { return progress(share * done); });
   if (!mesh.ok()) return mesh.error();
   if (mesh->triangles.empty())
-    return Error{ErrorCode::kInvalidArgument,
-                 "the " + std::to_string(point_count) +
-                     " points of the scan are too few or too far apart to make a surface"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("the {} points of the scan are too few or too far apart to make a surface",
+                    point_count)};
   mesh_ = KnownMesh{scan_id, *version, *std::move(mesh), {}, {}, {}, {}};
   return Done{};
 }

@@ -1,5 +1,7 @@
 #include "server/exports/export_files.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "server/exports/result_sources.h"
@@ -24,7 +26,8 @@ Result<std::uint64_t> source_bytes(Blobs& blobs, const std::string& scan_id,
     Result<std::uint64_t> size_bytes = blobs.size_bytes(scan_id, source);
     if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound) return size_bytes;
   }
-  return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + sources_of(format).back()};
+  return Error{ErrorCode::kNotFound,
+               fmt::format("scan {} has no {}", scan_id, sources_of(format).back())};
 }
 
 Status put_export(Blobs& blobs, const std::string& scan_id, const ExportSpec& spec,

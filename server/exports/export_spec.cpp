@@ -1,5 +1,7 @@
 #include "server/exports/export_spec.h"
 
+#include <fmt/core.h>
+
 #include <charconv>
 #include <optional>
 
@@ -10,24 +12,22 @@ namespace hermite::server {
 namespace {
 
 Error outside(const char* field, std::int64_t value, const std::string& limits) {
-  return {ErrorCode::kInvalidArgument,
-          std::string(field) + " is " + std::to_string(value) + ": expected " + limits};
+  return {ErrorCode::kInvalidArgument, fmt::format("{} is {}: expected {}", field, value, limits)};
 }
 
 Error no_such_format(std::string_view name) {
   std::string known;
   for (const ExportOffer& format : export_offers())
     known += (known.empty() ? "" : ", ") + std::string(format.name);
-  return {ErrorCode::kNotFound,
-          "there is no format '" + std::string(name) + "'; known are " + known};
+  return {ErrorCode::kNotFound, fmt::format("there is no format '{}'; known are {}", name, known)};
 }
 
 // "_s1000_t50000_f100_c"; empty without options.
 std::string suffix_of(const MeshShape& shape) {
   std::string suffix;
-  if (shape.simplify_um > 0) suffix += "_s" + std::to_string(shape.simplify_um);
-  if (shape.triangles > 0) suffix += "_t" + std::to_string(shape.triangles);
-  if (shape.fill_mm > 0) suffix += "_f" + std::to_string(shape.fill_mm);
+  if (shape.simplify_um > 0) suffix += fmt::format("_s{}", shape.simplify_um);
+  if (shape.triangles > 0) suffix += fmt::format("_t{}", shape.triangles);
+  if (shape.fill_mm > 0) suffix += fmt::format("_f{}", shape.fill_mm);
   if (shape.closes) suffix += "_c";
   return suffix;
 }
@@ -92,7 +92,7 @@ ExportSpec comparison_with(const std::string& other_scan_id) {
 }
 
 std::string comparison_points_file(const std::string& other_scan_id) {
-  return std::string(kComparisonStem) + other_scan_id + ".ply";
+  return fmt::format("{}{}.ply", kComparisonStem, other_scan_id);
 }
 
 std::string compared_scan_of_file(std::string_view file) {
@@ -115,16 +115,15 @@ Status check_shape(const ExportOffer& offer, const MeshShape& shape) {
         std::string(offer.name) + " is kept as it came: there are options of what is made of it"};
   if (shape.simplify_um != 0 &&
       (shape.simplify_um < kLeastSimplify_um || shape.simplify_um > kMostSimplify_um))
-    return outside(
-        "simplify_um", shape.simplify_um,
-        "0, or " + std::to_string(kLeastSimplify_um) + " to " + std::to_string(kMostSimplify_um));
+    return outside("simplify_um", shape.simplify_um,
+                   fmt::format("0, or {} to {}", kLeastSimplify_um, kMostSimplify_um));
   if (shape.triangles < 0 || shape.triangles > kMostMeshTriangles)
-    return outside("triangles", shape.triangles, "0 to " + std::to_string(kMostMeshTriangles));
+    return outside("triangles", shape.triangles, fmt::format("0 to {}", kMostMeshTriangles));
   if (shape.triangles > 0 && shape.simplify_um == 0)
     return Error{ErrorCode::kInvalidArgument,
                  "triangles says where simplifying stops, and needs simplify_um"};
   if (shape.fill_mm < 0 || shape.fill_mm > kMostFill_mm)
-    return outside("fill_holes_mm", shape.fill_mm, "0 to " + std::to_string(kMostFill_mm));
+    return outside("fill_holes_mm", shape.fill_mm, fmt::format("0 to {}", kMostFill_mm));
   return Done{};
 }
 

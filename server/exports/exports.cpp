@@ -1,5 +1,6 @@
 #include "server/exports/exports.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -20,8 +21,9 @@ Exports::Exports(Blobs& blobs, Hooks hooks)
 Result<ScanRow> Exports::find_ended(const std::string& scan_id) const {
   Result<ScanRow> row = hooks_.find(scan_id);
   if (row.ok() && row->phase == ScanPhase::kRunning)
-    return Error{ErrorCode::kBusy,
-                 "scan " + scan_id + " is running: exports are made of scans that have ended"};
+    return Error{
+        ErrorCode::kBusy,
+        fmt::format("scan {} is running: exports are made of scans that have ended", scan_id)};
   return row;
 }
 
@@ -100,18 +102,20 @@ Status Exports::check_shaped(const std::string& scan_id, const ExportSpec& spec)
   const bool is_there = std::any_of(
       there.begin(), there.end(), [&](const ExportSpec& one) { return one.name() == spec.name(); });
   if (is_there || there.size() < kMaxShapedExports) return Done{};
-  return Error{ErrorCode::kBusy, "scan " + scan_id + " has " + std::to_string(there.size()) +
-                                     " exports with options, of at most " +
-                                     std::to_string(kMaxShapedExports) +
-                                     ": remove one that nobody needs"};
+  return Error{
+      ErrorCode::kBusy,
+      fmt::format(
+          "scan {} has {} exports with options, of at most {}: remove one that nobody needs",
+          scan_id, there.size(), kMaxShapedExports)};
 }
 
 Status Exports::check_source(const std::string& scan_id, const ExportOffer& format) const {
   const Result<std::uint64_t> size_bytes = source_bytes(blobs_, scan_id, format);
   if (!size_bytes.ok()) return size_bytes.error();
   if (format.kind != ExportKind::kPath && *size_bytes == output::format_ply({}).size())
-    return Error{ErrorCode::kInvalidArgument,
-                 "the cloud of scan " + scan_id + " has no points: there is nothing to export"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("the cloud of scan {} has no points: there is nothing to export", scan_id)};
   return Done{};
 }
 
@@ -154,7 +158,7 @@ Status Exports::request_spec(const ScanRow& scan, const ExportSpec& spec,
   if (there) return Done{};
   if (now->format->is_result)
     return Error{ErrorCode::kNotFound,
-                 "scan " + scan.id + " has no " + std::string(now->format->file)};
+                 fmt::format("scan {} has no {}", scan.id, now->format->file)};
   if (queue_.is_stopping()) return Error{ErrorCode::kBusy, "the server is stopping"};
   if (queue_.is_being_dropped(key))
     return Error{ErrorCode::kBusy, "it is just being stopped; try again in a moment"};
@@ -184,7 +188,7 @@ Status Exports::remove_spec(const std::string& scan_id, const ExportState& now) 
   const ExportSpec spec{now.format, now.shape, now.other_scan_id};
   if (now.phase == ExportPhase::kMissing)
     return Error{ErrorCode::kNotFound,
-                 "scan " + scan_id + " has no " + spec.file() + " and none is being made"};
+                 fmt::format("scan {} has no {} and none is being made", scan_id, spec.file())};
   queue_.drop({scan_id, spec.name()});
   return now.phase == ExportPhase::kReady ? remove_export(blobs_, scan_id, spec) : Status(Done{});
 }

@@ -1,4 +1,5 @@
 // The comparisons among the exports: they have two scans, and end with either.
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -41,9 +42,10 @@ Status Exports::check_comparisons(const std::string& scan_id, const ExportSpec& 
   const std::vector<std::string> others = compared_scans(scan_id, *blobs);
   const bool is_there = std::find(others.begin(), others.end(), spec.other_scan_id) != others.end();
   if (is_there || others.size() < kMaxComparisons) return Done{};
-  return Error{ErrorCode::kBusy, "scan " + scan_id + " has " + std::to_string(others.size()) +
-                                     " comparisons, of at most " + std::to_string(kMaxComparisons) +
-                                     ": remove one that nobody needs"};
+  return Error{
+      ErrorCode::kBusy,
+      fmt::format("scan {} has {} comparisons, of at most {}: remove one that nobody needs",
+                  scan_id, others.size(), kMaxComparisons)};
 }
 
 Result<std::vector<ExportState>> Exports::list_comparisons(const std::string& scan_id) {

@@ -1,5 +1,7 @@
 #include "server/exports/result_sources.h"
 
+#include <fmt/core.h>
+
 #include <fstream>
 #include <utility>
 
@@ -50,14 +52,14 @@ Status check_free_memory(const std::string& what, double needed_bytes,
                          const FreeMemory& free_memory) {
   const std::uint64_t free_bytes = free_memory();
   if (free_bytes == 0 || needed_bytes <= static_cast<double>(free_bytes)) return Done{};
-  return Error{ErrorCode::kTooLarge, what + " takes some " + mib(needed_bytes) +
-                                         " of memory and this machine has " +
-                                         mib(static_cast<double>(free_bytes)) +
-                                         " left: it can be asked for again when there is more"};
+  return Error{ErrorCode::kTooLarge,
+               fmt::format("{} takes some {} of memory and this machine has {} left: it can be "
+                           "asked for again when there is more",
+                           what, mib(needed_bytes), mib(static_cast<double>(free_bytes)))};
 }
 
 std::string mib(double bytes) {
-  return std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20))) + " MiB";
+  return fmt::format("{} MiB", static_cast<std::uint64_t>(bytes / (1 << 20)));
 }
 
 }  // namespace hermite::server
