@@ -1,6 +1,7 @@
 #include "server/net/peer.h"
 
 #include <arpa/inet.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>
@@ -67,7 +68,8 @@ std::string text_of(const Address& address) {
 Result<Network> parse_network(const std::string& text) {
   const Error error{
       ErrorCode::kInvalidArgument,
-      "\"" + text + "\" is no address or network: expected for example 192.0.2.7 or 10.0.0.0/8"};
+      fmt::format("\"{}\" is no address or network: expected for example 192.0.2.7 or 10.0.0.0/8",
+                  text)};
   const std::size_t slash = std::min(text.find('/'), text.size());
   bool is_v4 = false;
   const std::optional<Address> address =

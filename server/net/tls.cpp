@@ -1,5 +1,6 @@
 #include "server/net/tls.h"
 
+#include <fmt/core.h>
 #include <openssl/ssl.h>
 
 namespace hermite::server {
@@ -10,7 +11,7 @@ namespace ssl = boost::asio::ssl;
 using boost::system::error_code;
 
 Error bad_file(const std::string& what, const std::string& file, const error_code& error) {
-  return {ErrorCode::kInvalidArgument, what + " " + file + ": " + error.message()};
+  return {ErrorCode::kInvalidArgument, fmt::format("{} {}: {}", what, file, error.message())};
 }
 
 Result<TlsContext> base(ssl::context::method method) {
@@ -40,7 +41,7 @@ Result<TlsContext> server_tls(const std::string& certificate, const std::string&
   if (error) return bad_file("TLS key", key, error);
   if (SSL_CTX_check_private_key(server.native_handle()) != 1)
     return Error{ErrorCode::kInvalidArgument,
-                 "TLS key " + key + " is not that of the certificate " + certificate};
+                 fmt::format("TLS key {} is not that of the certificate {}", key, certificate)};
   // Renegotiation lets a client cause useless work; compression leaks plaintext.
   SSL_CTX_set_options(server.native_handle(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION |
                                                   SSL_OP_CIPHER_SERVER_PREFERENCE);
