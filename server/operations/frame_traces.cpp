@@ -1,5 +1,7 @@
 #include "server/operations/frame_traces.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <sstream>
 
@@ -73,7 +75,7 @@ Result<std::string> FrameTraces::chrome_json(const std::string& scan_id) const {
     const auto [track, is_new] = tracks.place(span.stage);
     if (is_new) trace.name_track(track, span.stage.name);
     trace.add({span.stage.name, "stage", track, span.stage.start, span.stage.duration_ms,
-               "{\"frame\":" + std::to_string(span.sequence) + "}"});
+               fmt::format("{{\"frame\":{}}}", span.sequence)});
   }
   trace.finish();
   return out.str();

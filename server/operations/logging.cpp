@@ -1,5 +1,6 @@
 #include "server/operations/logging.h"
 
+#include <fmt/core.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/ostream_sink.h>
@@ -78,8 +79,8 @@ std::string json_line(const spdlog::details::log_msg& line, const std::string& m
 std::string text_line(const spdlog::details::log_msg& line, std::string message) {
   for (char& c : message)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  std::string text =
-      utc(line.time) + " " + spdlog::level::to_string_view(line.level).data() + " " + message;
+  std::string text = fmt::format("{} {} {}", utc(line.time),
+                                 spdlog::level::to_string_view(line.level).data(), message);
   if (const LogFields* fields = fields_of_this_line) {
     if (!fields->session.empty()) text += " session=" + fields->session;
     if (!fields->remote.empty()) text += " remote=" + fields->remote;
@@ -107,7 +108,7 @@ class Lines final : public spdlog::sinks::base_sink<std::mutex> {
     const std::optional<int> left_out = admit(line, payload);
     if (!left_out) return;
     std::string message = without_secrets(payload);
-    if (*left_out > 0) message += " (and " + std::to_string(*left_out) + " more like this)";
+    if (*left_out > 0) message += fmt::format(" (and {} more like this)", *left_out);
     out_ << (format_ == LogFormat::kJson ? json_line(line, message)
                                          : text_line(line, std::move(message)))
          << '\n'
