@@ -1,5 +1,6 @@
 #include "server/routes/admin.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <string_view>
@@ -20,13 +21,13 @@ HttpAnswer text_answer(int status, std::string body) {
   return answer;
 }
 
-std::string in_mb(std::uint64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
+std::string in_mb(std::uint64_t bytes) { return fmt::format("{} MB", bytes / 1'000'000); }
 
 HttpAnswer show_readiness(const AdminWorld& world, const HttpRequest&) {
   const std::vector<std::string> reasons = reasons_not_ready(world);
   if (reasons.empty()) return text_answer(200, "ready\n");
   std::string message;
-  for (const std::string& reason : reasons) message += "not ready: " + reason + "\n";
+  for (const std::string& reason : reasons) message += fmt::format("not ready: {}\n", reason);
   return text_answer(503, std::move(message));
 }
 
@@ -112,8 +113,8 @@ std::vector<std::string> reasons_not_ready(const AdminWorld& world) {
   if (!free.ok())
     reasons.push_back(free.error().message);
   else if (*free < world.min_free_bytes)
-    reasons.push_back("the disk: " + in_mb(*free) + " are free for " + world.data_folder +
-                      ", wanted are " + in_mb(world.min_free_bytes) + " (min-free-disk)");
+    reasons.push_back(fmt::format("the disk: {} are free for {}, wanted are {} (min-free-disk)",
+                                  in_mb(*free), world.data_folder, in_mb(world.min_free_bytes)));
   else if (const Status room = world.scans.room().check_disk(); !room.ok())
     reasons.push_back("the disk: " + room.error().message);
   if (const Status there = world.scans.blobs().availability(); !there.ok())

@@ -1,5 +1,7 @@
 #include "server/routes/byte_range.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <charconv>
 #include <optional>
@@ -56,7 +58,7 @@ std::optional<ByteRange> parse_range(std::string_view text, std::uint64_t size_b
 
 HttpAnswer as_asked(HttpAnswer answer, const std::string& entity_tag, const HttpRequest& request) {
   if (!answer.stored) return answer;
-  const std::string quoted = '"' + entity_tag + '"';
+  const std::string quoted = fmt::format("\"{}\"", entity_tag);
   answer.headers.emplace_back("Accept-Ranges", "bytes");
   answer.headers.emplace_back("ETag", quoted);
   const std::optional<std::string> wanted = only_header(request, "range");
@@ -70,16 +72,15 @@ HttpAnswer as_asked(HttpAnswer answer, const std::string& entity_tag, const Http
   if (!range) return answer;
   if (range->size_bytes == 0) {
     HttpAnswer none = error_answer(
-        416, {ErrorCode::kInvalidArgument, "the file has " + std::to_string(size_bytes) +
-                                               " bytes, none of them is in the range"});
-    none.headers.emplace_back("Content-Range", "bytes */" + std::to_string(size_bytes));
+        416, {ErrorCode::kInvalidArgument,
+              fmt::format("the file has {} bytes, none of them is in the range", size_bytes)});
+    none.headers.emplace_back("Content-Range", fmt::format("bytes */{}", size_bytes));
     return none;
   }
   answer.status = 206;
   answer.headers.emplace_back("Content-Range",
-                              "bytes " + std::to_string(range->first) + "-" +
-                                  std::to_string(range->first + range->size_bytes - 1) + "/" +
-                                  std::to_string(size_bytes));
+                              fmt::format("bytes {}-{}/{}", range->first,
+                                          range->first + range->size_bytes - 1, size_bytes));
   answer.stored->first_byte = range->first;
   answer.stored->size_bytes = range->size_bytes;
   return answer;

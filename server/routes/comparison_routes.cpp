@@ -1,5 +1,7 @@
 #include "server/routes/comparison_routes.h"
 
+#include <fmt/core.h>
+
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -123,8 +125,8 @@ HttpAnswer remove_comparison(const HttpWorld& world, const Call& call) {
   const Result<ExportState> state = compared_state(world, call);
   if (!state.ok()) return refused(state.error());
   if (state->phase == ExportPhase::kMissing)
-    return refused(
-        {ErrorCode::kNotFound, "scan " + call.id + " has no comparison with " + call.last_part});
+    return refused({ErrorCode::kNotFound,
+                    fmt::format("scan {} has no comparison with {}", call.id, call.last_part)});
   const Status removed = world.exports.remove_comparison(call.id, call.last_part);
   return removed.ok() ? made(json_text({{"removed", call.last_part}})) : refused(removed.error());
 }

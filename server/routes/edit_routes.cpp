@@ -1,5 +1,7 @@
 #include "server/routes/edit_routes.h"
 
+#include <fmt/core.h>
+
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -19,9 +21,9 @@ using Json = nlohmann::ordered_json;
 
 HttpAnswer changed_meanwhile(const edit::ScanEdits& now) {
   HttpAnswer answer = error_answer(
-      409, {ErrorCode::kBusy,
-            "the edits have version " + std::to_string(now.version) +
-                " by now: somebody has changed them meanwhile, and they stay as they are"});
+      409, {ErrorCode::kBusy, fmt::format("the edits have version {} by now: somebody has changed "
+                                          "them meanwhile, and they stay as they are",
+                                          now.version)});
   Json json = Json::parse(answer.body);
   json["edits"] = Json::parse(edit::format_scan_edits(now));
   answer.body = json_text(json);

@@ -1,5 +1,7 @@
 #include "server/routes/export_routes.h"
 
+#include <fmt/core.h>
+
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -87,10 +89,10 @@ HttpAnswer create_export(const HttpWorld& world, const Call& call) {
   // An invalid body must not be reported as 404.
   if (!format.ok()) return error_answer(400, {ErrorCode::kInvalidArgument, format.error().message});
   if (!call.grant.scan_id.empty() && *format != kViewerMesh)
-    return error_answer(
-        403, {ErrorCode::kUnauthorized,
-              "a share link may ask for " + std::string(kViewerMesh) +
-                  " alone; other exports can be taken when somebody else has asked for them"});
+    return error_answer(403, {ErrorCode::kUnauthorized,
+                              fmt::format("a share link may ask for {} alone; other exports can be "
+                                          "taken when somebody else has asked for them",
+                                          kViewerMesh)});
   const Result<ExportState> before = world.exports.state(call.id, *format);
   if (!before.ok()) return refused(before.error());
   const bool there =
@@ -118,7 +120,8 @@ HttpAnswer send_export(const HttpWorld& world, const Call& call) {
   const std::string file = ExportSpec{state->format, state->shape}.file();
   if (state->phase == ExportPhase::kReady)
     return send_file(world, call, file, state->format->content_type);
-  std::string message = "scan " + call.id + " has no " + file + ": it is " + name_of(state->phase);
+  std::string message =
+      fmt::format("scan {} has no {}: it is {}", call.id, file, name_of(state->phase));
   if (!state->message.empty()) message += ", " + state->message;
   return refused({ErrorCode::kNotFound, message});
 }

@@ -1,5 +1,7 @@
 #include "server/routes/frame_routes.h"
 
+#include <fmt/core.h>
+
 #include <atomic>
 #include <charconv>
 #include <chrono>
@@ -28,18 +30,20 @@ std::atomic<int> frames_asked = 0;
 std::optional<HttpAnswer> not_there_yet(const LiveScan* scan, const std::string& id,
                                         std::optional<std::uint64_t> sequence) {
   if (!sequence)
-    return refused({ErrorCode::kBusy,
-                    "scan " + id + " is running: its frames can be listed when it has ended"});
+    return refused(
+        {ErrorCode::kBusy,
+         fmt::format("scan {} is running: its frames can be listed when it has ended", id)});
   if (!scan)
-    return refused({ErrorCode::kBusy,
-                    "scan " + id + " is being restored: its frames can be looked at in a moment"});
+    return refused(
+        {ErrorCode::kBusy,
+         fmt::format("scan {} is being restored: its frames can be looked at in a moment", id)});
   if (*sequence < scan->frames().durable_count()) return std::nullopt;
   HttpAnswer soon;
   soon.status = 204;
   if (*sequence < scan->frames().counts().received) return soon;
-  return refused({ErrorCode::kNotFound,
-                  "there is no frame " + std::to_string(*sequence) + " yet: the camera has sent " +
-                      std::to_string(scan->frames().counts().received) + " so far"});
+  return refused(
+      {ErrorCode::kNotFound, fmt::format("there is no frame {} yet: the camera has sent {} so far",
+                                         *sequence, scan->frames().counts().received)});
 }
 
 // Returns why there are no frames to show, or not this one; std::nullopt if there are.
@@ -54,8 +58,8 @@ std::optional<HttpAnswer> no_frames(const HttpWorld& world, const Call& call,
   if (row->phase == ScanPhase::kRunning)
     return not_there_yet(world.scans.running(call.id), call.id, sequence);
   if (row->camera.width == 0)
-    return refused(
-        {ErrorCode::kNotFound, "scan " + call.id + " was imported: no camera has seen it"});
+    return refused({ErrorCode::kNotFound,
+                    fmt::format("scan {} was imported: no camera has seen it", call.id)});
   return std::nullopt;
 }
 
@@ -134,8 +138,9 @@ Result<std::optional<DepthRange_mm>> range_in(std::string_view query) {
       !is_number(query.substr(behind_from + kTo.size()), range.farthest) || range.nearest < 0 ||
       range.nearest >= range.farthest || range.farthest > kFarthest_mm)
     return Error{ErrorCode::kInvalidArgument,
-                 "an image of depth knows ?from_mm=A&to_mm=B with whole numbers, 0 <= A < B <= " +
-                     std::to_string(kFarthest_mm) + ", and nothing else"};
+                 fmt::format("an image of depth knows ?from_mm=A&to_mm=B with whole numbers, 0 <= "
+                             "A < B <= {}, and nothing else",
+                             kFarthest_mm)};
   return std::optional(range);
 }
 
@@ -223,7 +228,7 @@ HttpAnswer send_depth(const HttpWorld& world, const Call& call) {
   return later(world, call, *sequence, read, [](const DepthView& view) {
     HttpAnswer answer = image_answer(view.image);
     const auto span = [](const DepthRange_mm& mm) {
-      return std::to_string(mm.nearest) + "-" + std::to_string(mm.farthest);
+      return fmt::format("{}-{}", mm.nearest, mm.farthest);
     };
     answer.headers = {
         {"Depth-Shown-Mm", span(view.shown)},

@@ -2,6 +2,8 @@
 // measure.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <functional>
 #include <memory>
 #include <optional>
@@ -41,8 +43,8 @@ inline std::optional<HttpAnswer> wrong_size(const Call& call, std::size_t most_b
   if (body_bytes > 0 && body_bytes <= most_bytes) return std::nullopt;
   return error_answer(
       body_bytes == 0 ? 400 : 413,
-      {ErrorCode::kInvalidArgument, "the body has " + std::to_string(body_bytes) +
-                                        " bytes, allowed are 1 to " + std::to_string(most_bytes)});
+      {ErrorCode::kInvalidArgument,
+       fmt::format("the body has {} bytes, allowed are 1 to {}", body_bytes, most_bytes)});
 }
 
 // Returns the answer that makes the server pass the body to `sink` and then ask that for an answer.

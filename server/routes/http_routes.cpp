@@ -1,5 +1,6 @@
 #include "server/routes/http_routes.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -322,9 +323,9 @@ bool takes_long_body(const HttpRequest& request) {
 std::vector<std::string> api_routes() {
   std::vector<std::string> routes;
   for (const ApiRoute& route : kApi)
-    routes.push_back(std::string(route.method) + " " + std::string(route.before_id) +
-                     (route.has_id ? "{id}" : "") + std::string(route.after_id) +
-                     (route.last_part.empty() ? "" : "{" + std::string(route.last_part) + "}"));
+    routes.push_back(fmt::format(
+        "{} {}{}{}{}", route.method, route.before_id, route.has_id ? "{id}" : "", route.after_id,
+        route.last_part.empty() ? "" : fmt::format("{{{}}}", route.last_part)));
   return routes;
 }
 

@@ -1,5 +1,7 @@
 #include "server/routes/job_routes.h"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include "server/jobs/job_request.h"
@@ -65,7 +67,7 @@ HttpAnswer create_job(const HttpWorld& world, const Call& call) {
   const Result<ScanRow> scan = world.scans.rows().find(job->source_id);
   if (!scan.ok()) return refused(scan.error());
   if (scan->phase == ScanPhase::kRunning)
-    return refused({ErrorCode::kBusy, "scan " + scan->id + " is running"});
+    return refused({ErrorCode::kBusy, fmt::format("scan {} is running", scan->id)});
   if (job->title.empty()) job->title = scan->title;
   job->id = new_scan_id();
   job->token_id = call.grant.token_id;
@@ -87,8 +89,8 @@ HttpAnswer retry_job(const HttpWorld& world, const Call& call) {
   if (!job.ok()) return refused_job(job.error());
   const JobRow& row = job->row;
   if (row.state != JobState::kFailed && row.state != JobState::kCancelled)
-    return refused({ErrorCode::kBusy, std::string("the job is ") + name_of(row.state) +
-                                          ": there is nothing to try again"});
+    return refused({ErrorCode::kBusy, fmt::format("the job is {}: there is nothing to try again",
+                                                  name_of(row.state))});
   if (row.source == JobSource::kUpload && !world.store.uploads.find(row.source_id).ok())
     return refused({ErrorCode::kNotFound, "the upload of this job has expired: upload it again"});
   JobRow again = row;

@@ -1,5 +1,7 @@
 #include "server/routes/measure_routes.h"
 
+#include <fmt/core.h>
+
 #include <atomic>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -34,7 +36,8 @@ struct NamedRequest {
 };
 
 Result<Eigen::Vector3d> triple_in(const Json& json, const std::string& field, const char* what) {
-  const Error wrong{ErrorCode::kInvalidArgument, field + " must be three numbers, " + what};
+  const Error wrong{ErrorCode::kInvalidArgument,
+                    fmt::format("{} must be three numbers, {}", field, what)};
   if (!json.is_array() || json.size() != 3) return wrong;
   Eigen::Vector3d triple;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -56,12 +59,11 @@ Result<measure::MeasureRequest> measure_request_in(const Json& json) {
   request.kind = *known;
   const auto points = json.find("points");
   if (points == json.end() || !points->is_array() || points->size() > measure::kMostCorners)
-    return Error{
-        ErrorCode::kInvalidArgument,
-        "points must be a list of at most " + std::to_string(measure::kMostCorners) + " points"};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("points must be a list of at most {} points", measure::kMostCorners)};
   for (std::size_t i = 0; i < points->size(); ++i) {
     const Result<Eigen::Vector3d> point =
-        triple_in((*points)[i], "points[" + std::to_string(i) + "]", "[x, y, z] in metres");
+        triple_in((*points)[i], fmt::format("points[{}]", i), "[x, y, z] in metres");
     if (!point.ok()) return point.error();
     request.points.push_back(*point);
   }
@@ -82,9 +84,10 @@ Result<NamedRequest> request_in(const std::string& body, bool is_kept) {
                  "the body must be a JSON object with \"kind\" and \"points\""};
   for (const auto& [field, value] : json.items())
     if (field != "kind" && field != "points" && field != "up" && !(is_kept && field == "name"))
-      return Error{ErrorCode::kInvalidArgument,
-                   std::string("the body may have ") + (is_kept ? "\"name\", " : "") +
-                       "\"kind\", \"points\" and \"up\", and nothing else"};
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("the body may have {}\"kind\", \"points\" and \"up\", and nothing else",
+                      is_kept ? "\"name\", " : "")};
   Result<measure::MeasureRequest> measure = measure_request_in(json);
   if (!measure.ok()) return measure.error();
   NamedRequest request{"", *std::move(measure)};
@@ -220,16 +223,18 @@ Result<std::string> surfels_of(const HttpWorld& world, const std::string& scan_i
   const Result<ScanRow> row = world.scans.rows().find(scan_id);
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
-    return Error{ErrorCode::kBusy,
-                 "scan " + scan_id + " is running: it can be measured in when it has ended"};
+    return Error{
+        ErrorCode::kBusy,
+        fmt::format("scan {} is running: it can be measured in when it has ended", scan_id)};
   for (const char* needed : {kTrajectoryFile, kReportFile})
     if (!world.scans.ended_scans().size_of_result(scan_id, needed).ok())
-      return Error{ErrorCode::kBusy, "scan " + scan_id + " has no " + needed +
-                                         ": nothing is known of the errors in it"};
+      return Error{
+          ErrorCode::kBusy,
+          fmt::format("scan {} has no {}: nothing is known of the errors in it", scan_id, needed)};
   // In scans of earlier versions, cloud.ply has only the stable surfels.
   for (const char* name : {kSurfelsFile, kCloudFile})
     if (world.scans.ended_scans().size_of_result(scan_id, name).ok()) return std::string(name);
-  return Error{ErrorCode::kBusy, "scan " + scan_id + " has no points"};
+  return Error{ErrorCode::kBusy, fmt::format("scan {} has no points", scan_id)};
 }
 
 HttpAnswer receive_points(const HttpWorld& world, const Call& call, bool is_kept) {
@@ -270,9 +275,9 @@ HttpAnswer send_measurements(const HttpWorld& world, const Call& call) {
   answer.download_name = call.id + "-measurements.csv";
   answer.body = "name,kind,value,unit,half_width_95,points_m\r\n";
   for (const MeasurementRow& row : *rows)
-    answer.body += csv_field(row.name) + "," + row.kind + printf_text(",%.4f,", row.value) +
-                   std::string(row_of(quantity_of(row).kind).unit) +
-                   printf_text(",%.4f,", row.half_width) + csv_points(row.points) + "\r\n";
+    answer.body +=
+        fmt::format("{},{},{:.4f},{},{:.4f},{}\r\n", csv_field(row.name), row.kind, row.value,
+                    row_of(quantity_of(row).kind).unit, row.half_width, csv_points(row.points));
   return answer;
 }
 

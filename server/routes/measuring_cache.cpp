@@ -1,5 +1,7 @@
 #include "server/routes/measuring_cache.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -32,7 +34,7 @@ Result<std::shared_ptr<const measure::MeasuredResult>> MeasuringCache::of(
        {surfels_name, std::string(kTrajectoryFile), std::string(kReportFile)}) {
     const Result<std::string> one = blobs.version(scan_id, name);
     if (!one.ok()) return one.error();
-    version += name + ' ' + *one + '\n';
+    version += fmt::format("{} {}\n", name, *one);
   }
   if (std::shared_ptr<const measure::MeasuredResult> kept = found(scan_id, version)) return kept;
   Result<measure::MapKnowledge> map = read_map_knowledge(blobs, scan_id);

@@ -1,5 +1,7 @@
 #include "server/routes/note_routes.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -50,9 +52,10 @@ Result<Triple> position_in(const Json& json, const std::string& field) {
     if (!json[axis].is_number()) return wrong;
     position_m[axis] = json[axis].get<double>();
     if (std::abs(position_m[axis]) > kFarthestNote_m)
-      return invalid_note(field + "[" + std::to_string(axis) + "]" +
-                          printf_text(" is %g, allowed are %.0f to %.0f", position_m[axis],
-                                      -kFarthestNote_m, kFarthestNote_m));
+      return invalid_note(
+          fmt::format("{}[{}]{}", field, axis,
+                      printf_text(" is %g, allowed are %.0f to %.0f", position_m[axis],
+                                  -kFarthestNote_m, kFarthestNote_m)));
   }
   return position_m;
 }
@@ -92,8 +95,8 @@ Result<std::string> text_in(const Json& json) {
     return invalid_note("text is missing, or no text");
   std::string text = found->get<std::string>();
   if (text.empty() || text.size() > kMaxNoteTextBytes)
-    return invalid_note("text has " + std::to_string(text.size()) + " bytes, allowed are 1 to " +
-                        std::to_string(kMaxNoteTextBytes));
+    return invalid_note(
+        fmt::format("text has {} bytes, allowed are 1 to {}", text.size(), kMaxNoteTextBytes));
   if (has_control_character(text))
     return invalid_note("text has a control character that is no newline");
   return text;
@@ -143,9 +146,9 @@ Result<NoteRow> changed_note_in(const std::string& body) {
 // Says so, and has the note as it is now.
 HttpAnswer changed_meanwhile(const NoteRow& now) {
   HttpAnswer answer = error_answer(
-      409,
-      {ErrorCode::kBusy, "the note has version " + std::to_string(now.version) +
-                             " by now: somebody has changed it meanwhile, and it stays as it is"});
+      409, {ErrorCode::kBusy, fmt::format("the note has version {} by now: somebody has changed it "
+                                          "meanwhile, and it stays as it is",
+                                          now.version)});
   Json json = Json::parse(answer.body);
   json["note"] = note_json(now);
   answer.body = json_text(json);
@@ -224,10 +227,9 @@ HttpAnswer create_note(const HttpWorld& world, const Call& call) {
   const Result<ScanRow> row = world.scans.rows().find(call.id);
   if (!row.ok()) return refused(row.error());
   if (row->phase == ScanPhase::kRunning)
-    return refused(
-        {ErrorCode::kBusy,
-         "scan " + call.id +
-             " is running: its surface may still move, and notes are written when it has ended"});
+    return refused({ErrorCode::kBusy, fmt::format("scan {} is running: its surface may still move, "
+                                                  "and notes are written when it has ended",
+                                                  call.id)});
   return receive_note(world, call, true);
 }
 

@@ -1,5 +1,7 @@
 #include "server/routes/scan_routes.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -22,9 +24,8 @@ using Json = nlohmann::ordered_json;
 
 Status check_text(const std::string& field, const std::string& text, std::size_t max_bytes) {
   if (text.empty() || text.size() > max_bytes)
-    return Error{ErrorCode::kInvalidArgument, field + " has " + std::to_string(text.size()) +
-                                                  " bytes, allowed are 1 to " +
-                                                  std::to_string(max_bytes)};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{} has {} bytes, allowed are 1 to {}",
+                                                          field, text.size(), max_bytes)};
   if (std::any_of(text.begin(), text.end(), is_control))
     return Error{ErrorCode::kInvalidArgument, field + " has a control character"};
   return Done{};
@@ -35,7 +36,7 @@ Result<std::vector<std::string>> tags_in(const Json& json) {
   if (!json.is_array()) return Error{ErrorCode::kInvalidArgument, "tags is no list of texts"};
   std::set<std::string> tags;
   for (std::size_t i = 0; i < json.size(); ++i) {
-    const std::string field = "tags[" + std::to_string(i) + "]";
+    const std::string field = fmt::format("tags[{}]", i);
     if (!json[i].is_string()) return Error{ErrorCode::kInvalidArgument, field + " is no text"};
     const std::string tag = json[i];
     if (const Status status = check_text(field, tag, kMaxTagBytes); !status.ok())
@@ -45,9 +46,9 @@ Result<std::vector<std::string>> tags_in(const Json& json) {
     tags.insert(tag);
   }
   if (tags.size() > kMaxTagsPerScan)
-    return Error{ErrorCode::kInvalidArgument, "tags has " + std::to_string(tags.size()) +
-                                                  " different ones, allowed are " +
-                                                  std::to_string(kMaxTagsPerScan)};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("tags has {} different ones, allowed are {}", tags.size(), kMaxTagsPerScan)};
   return std::vector<std::string>(tags.begin(), tags.end());
 }
 
@@ -166,7 +167,7 @@ namespace {
 HttpAnswer ask_to_pause(const HttpWorld& world, const Call& call, bool paused) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
   LiveScan* const scan = world.scans.running(call.id);
-  if (!scan) return refused({ErrorCode::kBusy, "scan " + call.id + " does not run"});
+  if (!scan) return refused({ErrorCode::kBusy, fmt::format("scan {} does not run", call.id)});
   if (Status status = scan->ask_to_pause(paused); !status.ok()) return refused(status.error());
   return made(json_text(Json{{"asked", paused ? "pause" : "unpause"}}), 202);
 }

@@ -1,5 +1,7 @@
 #include "server/routes/static_files.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -64,13 +66,13 @@ Result<StaticFiles> read_static_files(const std::string& folder) {
     if (!stream) return Error{ErrorCode::kIo, "reading " + entry->path().string()};
     total_bytes += bytes.size();
     if (files.size() >= kMaxStaticFiles || total_bytes > kMaxStaticBytes)
-      return Error{ErrorCode::kTooLarge, folder + " holds more than " +
-                                             std::to_string(kMaxStaticFiles) + " files or " +
-                                             std::to_string(kMaxStaticBytes) + " bytes"};
+      return Error{ErrorCode::kTooLarge, fmt::format("{} holds more than {} files or {} bytes",
+                                                     folder, kMaxStaticFiles, kMaxStaticBytes)};
     files["/" + name] = {content_type_of(name), name.rfind("assets/", 0) == 0, std::move(bytes)};
   }
   if (error)
-    return Error{ErrorCode::kNotFound, "reading the folder " + folder + ": " + error.message()};
+    return Error{ErrorCode::kNotFound,
+                 fmt::format("reading the folder {}: {}", folder, error.message())};
   const auto index = files.find("/index.html");
   if (index == files.end())
     return Error{ErrorCode::kNotFound, "there is no index.html in " + folder};

@@ -1,5 +1,7 @@
 #include "server/routes/upload_routes.h"
 
+#include <fmt/core.h>
+
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -229,15 +231,15 @@ HttpAnswer continue_upload(const HttpWorld& world, const Call& call) {
   if (!state.ok()) return refuse(state.error());
   if (!world.uploads.is_free(call.id)) return with_version(busy_upload());
   if (*headers->offset_bytes != state->offset_bytes) {
-    const std::string message = "Upload-Offset is " + std::to_string(*headers->offset_bytes) +
-                                ", and " + std::to_string(state->offset_bytes) + " bytes are here";
+    const std::string message = fmt::format("Upload-Offset is {}, and {} bytes are here",
+                                            *headers->offset_bytes, state->offset_bytes);
     return with_version(error_answer(409, {ErrorCode::kInvalidArgument, message}));
   }
   if (headers->length_bytes && *headers->length_bytes != state->row.length_bytes) {
     if (state->row.length_bytes >= 0)
       return refuse({ErrorCode::kInvalidArgument,
-                     "Upload-Length is " + std::to_string(*headers->length_bytes) + ", it was " +
-                         std::to_string(state->row.length_bytes)});
+                     fmt::format("Upload-Length is {}, it was {}", *headers->length_bytes,
+                                 state->row.length_bytes)});
     if (Status status = world.uploads.set_length(*state, *headers->length_bytes, call.grant);
         !status.ok())
       return refuse(status.error());
