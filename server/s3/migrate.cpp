@@ -1,5 +1,7 @@
 #include "server/s3/migrate.h"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include "core/digest/sha256.h"
@@ -35,7 +37,9 @@ Result<Inventory> inventory_of_s3(S3Blobs& s3) {
   return listed.ok() ? Result<Inventory>(std::move(inventory)) : listed.error();
 }
 
-std::string blob_name(const BlobKey& key) { return key.second + " of scan " + key.first; }
+std::string blob_name(const BlobKey& key) {
+  return fmt::format("{} of scan {}", key.second, key.first);
+}
 
 Result<std::string> hash_of(Blobs& blobs, const BlobKey& key) {
   const Result<std::string> bytes = read_blob(blobs, key.first, key.second, kMaxS3Put_bytes);
@@ -63,8 +67,9 @@ Result<bool> copy_blob(Copying& copying, const BlobKey& key, std::uint64_t size_
   const Result<std::string> hash = hash_of(copying.to, key);
   if (!hash.ok()) return hash.error();
   if (*hash != wanted)
-    return Error{ErrorCode::kIo, "other bytes came back of " + blob_name(key) +
-                                     " than were copied; nothing is removed"};
+    return Error{ErrorCode::kIo,
+                 fmt::format("other bytes came back of {} than were copied; nothing is removed",
+                             blob_name(key))};
   return true;
 }
 
@@ -72,8 +77,8 @@ Result<MigrationCounts> copy_all(Copying copying, const Inventory& inventory,
                                  const Migration& migration) {
   MigrationCounts counts;
   for (const auto& [key, size_bytes] : inventory) {
-    migration.says(std::to_string(counts.blob_count + 1) + " of " +
-                   std::to_string(inventory.size()) + ": " + blob_name(key));
+    migration.says(
+        fmt::format("{} of {}: {}", counts.blob_count + 1, inventory.size(), blob_name(key)));
     const Result<bool> copied = copy_blob(copying, key, size_bytes);
     if (!copied.ok()) return copied.error();
     ++counts.blob_count;

@@ -1,5 +1,7 @@
 #include "server/s3/remote_blobs.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <fstream>
@@ -21,8 +23,9 @@ Result<std::set<BlobKey>> read_removals(const std::string& path) {
   std::set<BlobKey> removals;
   for (std::string scan_id, name; file >> scan_id >> name;) {
     if (!is_scan_id(scan_id) || !is_blob_name(name))
-      return Error{ErrorCode::kCorruptData,
-                   path + " has a line that is no scan and name: '" + scan_id + " " + name + "'"};
+      return Error{
+          ErrorCode::kCorruptData,
+          fmt::format("{} has a line that is no scan and name: '{} {}'", path, scan_id, name)};
     removals.insert({scan_id, name});
   }
   return removals;
@@ -56,7 +59,7 @@ Status RemoteBlobs::load() {
 
 Status RemoteBlobs::write_removals(const std::set<Key>& removals) const {
   std::string text;
-  for (const auto& [scan_id, name] : removals) text += scan_id + " " + name + "\n";
+  for (const auto& [scan_id, name] : removals) text += fmt::format("{} {}\n", scan_id, name);
   return output::write_file_atomically(local_.removals_path, text);
 }
 
@@ -65,7 +68,7 @@ Result<StoredBlob> RemoteBlobs::find(const std::string& scan_id, const std::stri
   const auto scan = known_.find(scan_id);
   if (scan != known_.end())
     if (const auto blob = scan->second.find(name); blob != scan->second.end()) return blob->second;
-  return Error{ErrorCode::kNotFound, "there is no " + name + " of scan " + scan_id};
+  return Error{ErrorCode::kNotFound, fmt::format("there is no {} of scan {}", name, scan_id)};
 }
 
 // What is put again is not to be removed any more; a removal that is being made comes first.

@@ -1,5 +1,6 @@
 #include "server/s3/remote_setup.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -25,9 +26,10 @@ Result<std::optional<PlaceNote>> read_note(const std::string& data_folder, const
 }
 
 Error elsewhere(const std::string& data_folder, const std::string& noted) {
-  return {ErrorCode::kInvalidArgument, "the results of " + data_folder + " are in " + noted +
-                                           ", as its file blobs-at says: give --blobs " + noted +
-                                           ", or move them with `hermite migrate`"};
+  return {ErrorCode::kInvalidArgument,
+          fmt::format("the results of {} are in {}, as its file blobs-at says: give --blobs {}, or "
+                      "move them with `hermite migrate`",
+                      data_folder, noted, noted)};
 }
 
 // Makes or keeps the note with this name, and claims the prefix with its id.
@@ -64,11 +66,12 @@ Result<S3Options> s3_options(const S3Settings& settings) {
       checked_s3_endpoint(settings.endpoint, settings.region, settings.allow_plain);
   if (!endpoint.ok()) return in_context("settings s3-endpoint and s3-region", endpoint.error());
   if (settings.addressing != "path" && settings.addressing != "virtual-host")
-    return Error{ErrorCode::kInvalidArgument, "setting s3-addressing is '" + settings.addressing +
-                                                  "', allowed is path or virtual-host"};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("setting s3-addressing is '{}', allowed is path or virtual-host",
+                             settings.addressing)};
   if (!settings.ca_file.empty() && access(settings.ca_file.c_str(), R_OK) != 0)
     return Error{ErrorCode::kNotFound,
-                 "setting s3-ca: " + settings.ca_file + ": " + std::strerror(errno)};
+                 fmt::format("setting s3-ca: {}: {}", settings.ca_file, std::strerror(errno))};
   const Result<S3Credentials> credentials = read_s3_credentials(settings.credentials_file);
   if (!credentials.ok()) return in_context("setting s3-credentials", credentials.error());
   S3Options options;
@@ -95,9 +98,9 @@ Status check_place(const std::string& data_folder, const std::string& address, b
   if (*noted && **noted != address) return elsewhere(data_folder, **noted);
   if (*noted || address.empty() || !has_results) return Done{};
   return Error{ErrorCode::kInvalidArgument,
-               "there are results in " + data_folder +
-                   " itself: move them first, with `hermite migrate --from " + data_folder +
-                   " --to " + address + "`"};
+               fmt::format("there are results in {} itself: move them first, with `hermite migrate "
+                           "--from {} --to {}`",
+                           data_folder, data_folder, address)};
 }
 
 Status join_to_s3(const std::string& data_folder, S3Blobs& s3) {
@@ -120,9 +123,9 @@ Result<bool> is_in_s3(const std::string& data_folder, const S3Blobs& s3) {
     if (!noted.ok()) return noted.error();
     if (*noted && (*noted)->address == s3.address()) return name == kAt;
   }
-  return Error{ErrorCode::kInvalidArgument, "the results of " + data_folder + " are not in " +
-                                                s3.address() +
-                                                ": its file blobs-at says otherwise"};
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("the results of {} are not in {}: its file blobs-at says otherwise",
+                           data_folder, s3.address())};
 }
 
 Status leave_s3(const std::string& data_folder) {

@@ -1,5 +1,6 @@
 #include "server/s3/s3_blobs.h"
 
+#include <fmt/core.h>
 #include <openssl/evp.h>
 
 #include <algorithm>
@@ -70,11 +71,11 @@ bool is_other_md5(const S3Answer& answer, const std::string& md5_hex) {
 }
 
 Error wrong_bytes(const std::string& key, const std::string& message) {
-  return {ErrorCode::kIo, key + " in S3: " + message};
+  return {ErrorCode::kIo, fmt::format("{} in S3: {}", key, message)};
 }
 
 Error not_there(const std::string& key) {
-  return {ErrorCode::kNotFound, "there is no " + key + " in S3"};
+  return {ErrorCode::kNotFound, fmt::format("there is no {} in S3", key)};
 }
 
 }  // namespace
@@ -95,8 +96,8 @@ void S3Blobs::forget(const std::string& key) {
 
 Result<StoredBlob> S3Blobs::put_key(const std::string& key, const std::string& bytes) {
   if (bytes.size() > kMaxS3Put_bytes)
-    return Error{ErrorCode::kTooLarge, key + " has " + std::to_string(bytes.size()) +
-                                           " bytes, S3 takes " + std::to_string(kMaxS3Put_bytes)};
+    return Error{ErrorCode::kTooLarge,
+                 fmt::format("{} has {} bytes, S3 takes {}", key, bytes.size(), kMaxS3Put_bytes)};
   const std::string digest = md5(bytes);
   S3Request request{"PUT", key, {}, metadata_of(block_sums(bytes)), bytes};
   request.headers.emplace_back("content-md5", encode_base64(digest));
@@ -175,7 +176,7 @@ Result<std::string> S3Blobs::read_blocks(const std::string& key, const Object& o
       std::min(object.sums.size_bytes, span.end_block * object.sums.block_bytes);
   S3Request request{"GET", key};
   request.headers = {{"if-match", object.etag},
-                     {"range", "bytes=" + std::to_string(from) + "-" + std::to_string(end - 1)}};
+                     {"range", fmt::format("bytes={}-{}", from, end - 1)}};
   request.max_answer_bytes = static_cast<std::size_t>(end - from);
   Result<S3Answer> answer = client_.send(request);
   if (!answer.ok()) return answer.error();
@@ -185,17 +186,17 @@ Result<std::string> S3Blobs::read_blocks(const std::string& key, const Object& o
   if (answer->status != 206 && !whole) return client_.explain(*answer, "reading " + key);
   if (header(*answer, "etag") != object.etag) return not_there(key);
   if (answer->body.size() != end - from)
-    return Error{ErrorCode::kCorruptData, "the server has sent " +
-                                              std::to_string(answer->body.size()) + " bytes of " +
-                                              std::to_string(end - from)};
+    return Error{ErrorCode::kCorruptData, fmt::format("the server has sent {} bytes of {}",
+                                                      answer->body.size(), end - from)};
   for (std::size_t i = span.first_block; i < span.end_block; ++i) {
     const std::string_view block =
         std::string_view(answer->body)
             .substr((i - span.first_block) * object.sums.block_bytes, object.sums.block_bytes);
     if (!is_block(object.sums, i, block))
       return Error{ErrorCode::kCorruptData,
-                   "the server has sent other bytes than were stored, from byte " +
-                       std::to_string(i * object.sums.block_bytes) + " on: their checksum differs"};
+                   fmt::format("the server has sent other bytes than were stored, from byte {} on: "
+                               "their checksum differs",
+                               i * object.sums.block_bytes)};
   }
   return std::move(answer->body);
 }
@@ -287,7 +288,7 @@ Status S3Blobs::list_keys(
     const Result<S3Answer> answer = client_.send(request);
     if (!answer.ok()) return answer.error();
     if (answer->status != 200)
-      return client_.explain(*answer, "listing what is below '" + prefix + under + "'");
+      return client_.explain(*answer, fmt::format("listing what is below '{}{}'", prefix, under));
     const Result<S3Page> page = parse_s3_page(answer->body);
     if (!page.ok()) return page.error();
     for (const S3Object& object : page->objects)

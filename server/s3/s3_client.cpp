@@ -1,5 +1,7 @@
 #include "server/s3/s3_client.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <ctime>
@@ -192,7 +194,7 @@ S3Client::Attempt S3Client::perform(CURL* curl, const S3Request& request, curl_s
   std::array<char, CURL_ERROR_SIZE> message{};
   const std::uint64_t bytes =
       std::max<std::uint64_t>(request.body.size(), request.max_answer_bytes);
-  const std::string signing = "aws:amz:" + options_.region + ":s3";
+  const std::string signing = fmt::format("aws:amz:{}:s3", options_.region);
   curl_easy_setopt(curl, CURLOPT_URL, url_of(request).c_str());
   curl_easy_setopt(curl, CURLOPT_PATH_AS_IS, 1L);
   curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https");
@@ -228,7 +230,7 @@ S3Client::Attempt S3Client::perform(CURL* curl, const S3Request& request, curl_s
     const std::string why = receiver.too_long ? "it sends more than was asked for"
                             : message[0]      ? message.data()
                                               : curl_easy_strerror(code);
-    return {Error{ErrorCode::kIo, "S3 at " + options_.endpoint + ": " + quoted(why)},
+    return {Error{ErrorCode::kIo, fmt::format("S3 at {}: {}", options_.endpoint, quoted(why))},
             may_pass(code)};
   }
   curl_off_t announced_bytes = 0;
@@ -282,7 +284,7 @@ Result<S3Answer> S3Client::send(const S3Request& request) {
 Error S3Client::explain(const S3Answer& answer, const std::string& what) const {
   const S3ErrorBody body = parse_s3_error(answer.body);
   const std::string context =
-      what + " at S3 (" + options_.endpoint + ", bucket " + options_.bucket + "): ";
+      fmt::format("{} at S3 ({}, bucket {}): ", what, options_.endpoint, options_.bucket);
   const auto date = answer.headers.find("date");
   std::string message;
   if (body.code == "NoSuchBucket")
@@ -293,18 +295,18 @@ Error S3Client::explain(const S3Answer& answer, const std::string& what) const {
     message =
         "the secret key does not belong to the access key, or the region is not " + options_.region;
   else if (body.code == "RequestTimeTooSkewed")
-    message = "the clocks differ too much: here it is " + now_text() + ", there " +
-              (date == answer.headers.end() ? "unknown" : quoted(date->second));
+    message = fmt::format("the clocks differ too much: here it is {}, there {}", now_text(),
+                          date == answer.headers.end() ? "unknown" : quoted(date->second));
   else if (body.code == "AccessDenied")
     message = "the key may not do this";
   else if (body.code == "AuthorizationHeaderMalformed" || body.code == "PermanentRedirect" ||
            answer.status == 301)
     message = "region or address are not those of the bucket: " + quoted(body.message);
   else if (body.code.empty())
-    message = "HTTP status " + std::to_string(answer.status);
+    message = fmt::format("HTTP status {}", answer.status);
   else
-    message = "HTTP status " + std::to_string(answer.status) + ", " + quoted(body.code) + ": " +
-              quoted(body.message);
+    message = fmt::format("HTTP status {}, {}: {}", answer.status, quoted(body.code),
+                          quoted(body.message));
   return {ErrorCode::kIo, context + message};
 }
 

@@ -1,5 +1,6 @@
 #include "server/s3/s3_options.h"
 
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -61,13 +62,14 @@ bool is_key(const std::string& key) {
 
 Result<S3Credentials> checked(S3Credentials credentials, const std::string& source) {
   if (!is_key(credentials.access_key))
-    return invalid("the access key (aws_access_key_id) of " + source +
-                   " is missing or has odd characters");
+    return invalid(fmt::format(
+        "the access key (aws_access_key_id) of {} is missing or has odd characters", source));
   if (!is_key(credentials.secret_key))
-    return invalid("the secret key (aws_secret_access_key) of " + source +
-                   " is missing or has odd characters");
+    return invalid(fmt::format(
+        "the secret key (aws_secret_access_key) of {} is missing or has odd characters", source));
   if (!credentials.session_token.empty() && !is_key(credentials.session_token))
-    return invalid("the session token (aws_session_token) of " + source + " has odd characters");
+    return invalid(
+        fmt::format("the session token (aws_session_token) of {} has odd characters", source));
   return credentials;
 }
 
@@ -80,27 +82,27 @@ Status check_is_private(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0)
     return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
-                 "the file with the S3 key, " + path + ": " + std::strerror(errno)};
+                 fmt::format("the file with the S3 key, {}: {}", path, std::strerror(errno))};
   if (!S_ISREG(status.st_mode))
-    return invalid("the file with the S3 key, " + path + ", is no file");
+    return invalid(fmt::format("the file with the S3 key, {}, is no file", path));
   if ((status.st_mode & 077) != 0)
     return invalid("others may read the file with the S3 key: chmod 600 " + path);
   if (status.st_uid != geteuid() && status.st_uid != 0)
-    return invalid("the file with the S3 key, " + path + ", belongs to somebody else");
+    return invalid(fmt::format("the file with the S3 key, {}, belongs to somebody else", path));
   if (status.st_size > kMaxCredentials_bytes)
-    return invalid("the file with the S3 key, " + path + ", is longer than " +
-                   std::to_string(kMaxCredentials_bytes) + " bytes");
+    return invalid(fmt::format("the file with the S3 key, {}, is longer than {} bytes", path,
+                               kMaxCredentials_bytes));
   return Done{};
 }
 
 }  // namespace
 
 Result<S3Location> parse_s3_location(const std::string& text) {
-  const Error wrong = invalid("'" + text +
-                              "' is no place in S3: expected s3://BUCKET or s3://BUCKET/PREFIX, "
-                              "with a bucket of 3 to 63 characters "
-                              "a-z, 0-9, . and -, and a prefix of at most 200 characters A-Z, a-z, "
-                              "0-9, ., _ and - between slashes");
+  const Error wrong =
+      invalid(fmt::format("'{}' is no place in S3: expected s3://BUCKET or s3://BUCKET/PREFIX, "
+                          "with a bucket of 3 to 63 characters a-z, 0-9, . and -, and a prefix of "
+                          "at most 200 characters A-Z, a-z, 0-9, ., _ and - between slashes",
+                          text));
   if (text.rfind(kScheme, 0) != 0) return wrong;
   const std::string rest = text.substr(kScheme.size());
   const std::size_t slash = std::min(rest.find('/'), rest.size());
@@ -120,23 +122,25 @@ std::string text_of(const S3Location& location) {
 Result<std::string> checked_s3_endpoint(const std::string& endpoint, const std::string& region,
                                         bool allow_plain) {
   if (region.empty() || region.size() > 64 || !consists_of(region, "-_"))
-    return invalid("'" + region + "' is no region of S3, such as eu-central-1");
-  if (endpoint.empty()) return "https://s3." + region + ".amazonaws.com";
+    return invalid(fmt::format("'{}' is no region of S3, such as eu-central-1", region));
+  if (endpoint.empty()) return fmt::format("https://s3.{}.amazonaws.com", region);
   const bool plain = endpoint.rfind("http://", 0) == 0;
   if (!plain && endpoint.rfind("https://", 0) != 0)
-    return invalid("the address of S3 is '" + endpoint +
-                   "', expected https://HOST or https://HOST:PORT");
+    return invalid(fmt::format(
+        "the address of S3 is '{}', expected https://HOST or https://HOST:PORT", endpoint));
   const std::string host = endpoint.substr(plain ? 7 : 8);
   if (host.empty() || !consists_of(host, "ABCDEFGHIJKLMNOPQRSTUVWXYZ.-:[]"))
-    return invalid("the address of S3 is '" + endpoint +
-                   "', expected https://HOST or https://HOST:PORT and nothing behind it");
+    return invalid(
+        fmt::format("the address of S3 is '{}', expected https://HOST or https://HOST:PORT and "
+                    "nothing behind it",
+                    endpoint));
   const bool here = host.rfind("127.", 0) == 0 || host == "localhost" ||
                     host.rfind("localhost:", 0) == 0 || host.rfind("[::1]", 0) == 0;
   if (plain && !here && !allow_plain)
     return invalid(
-        "the address of S3, " + endpoint +
-        ", is not encrypted, and results would be readable on the way: take https://, or add "
-        "--insecure-i-know");
+        fmt::format("the address of S3, {}, is not encrypted, and results would be readable on the "
+                    "way: take https://, or add --insecure-i-know",
+                    endpoint));
   return endpoint;
 }
 
@@ -148,7 +152,8 @@ Result<S3Credentials> read_s3_credentials(const std::string& path) {
         "the environment (AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY)");
   if (Status status = check_is_private(path); !status.ok()) return status.error();
   std::ifstream file(path);
-  if (!file) return Error{ErrorCode::kIo, "the file with the S3 key, " + path + ", cannot be read"};
+  if (!file)
+    return Error{ErrorCode::kIo, fmt::format("the file with the S3 key, {}, cannot be read", path)};
   S3Credentials credentials;
   for (std::string line; std::getline(file, line);) {
     const std::size_t equals = line.find('=');
