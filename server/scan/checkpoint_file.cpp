@@ -1,5 +1,7 @@
 #include "server/scan/checkpoint_file.h"
 
+#include <fmt/core.h>
+
 #include "core/base/byte_stream.h"
 #include "core/image/zstd_bytes.h"
 #include "core/log/frame_log_format.h"
@@ -67,10 +69,9 @@ Result<ScanCheckpoint> read_checkpoint(Blobs& blobs, const std::string& scan_id,
   if (checkpoint->scan_id != scan_id)
     return Error{ErrorCode::kCorruptData, "the checkpoint is of scan " + checkpoint->scan_id};
   if (checkpoint->record_count > log_record_count)
-    return Error{ErrorCode::kCorruptData, "the checkpoint is of " +
-                                              std::to_string(checkpoint->record_count) +
-                                              " records of the frame log, which has only " +
-                                              std::to_string(log_record_count)};
+    return Error{ErrorCode::kCorruptData,
+                 fmt::format("the checkpoint is of {} records of the frame log, which has only {}",
+                             checkpoint->record_count, log_record_count)};
   return checkpoint;
 }
 

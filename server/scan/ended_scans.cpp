@@ -1,5 +1,6 @@
 #include "server/scan/ended_scans.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -36,7 +37,7 @@ EndedScans::LastMessages EndedScans::last_messages(const ScanRow& row,
     return status.error();
   if (row.phase != ScanPhase::kFinished)
     return Error{ErrorCode::kNotFound,
-                 std::string("the scan is ") + name_of(row.phase) + ": " + row.message};
+                 fmt::format("the scan is {}: {}", name_of(row.phase), row.message)};
   const auto received = static_cast<std::uint64_t>(row.frames_received);
   wire::ScanState state{wire::ScanPhase::kFinished, row.message, received,
                         static_cast<std::uint64_t>(row.frames_processed),
@@ -74,7 +75,7 @@ Result<std::uint64_t> EndedScans::size_of_result(const std::string& scan_id,
       running ? Error{ErrorCode::kNotFound, ""} : storage_.blobs.size_bytes(scan_id, name);
   if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound) return size_bytes;
   return Error{ErrorCode::kNotFound,
-               "scan " + scan_id + " has no " + name + (running ? " yet" : "")};
+               fmt::format("scan {} has no {}{}", scan_id, name, running ? " yet" : "")};
 }
 
 // Looks at every folder rather than every row, since the store lists only the newest scans.

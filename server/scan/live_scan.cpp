@@ -1,5 +1,7 @@
 #include "server/scan/live_scan.h"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include "core/run/results.h"
@@ -45,10 +47,11 @@ Result<wire::Resumed> LiveScan::resume(std::uint64_t next_sequence) {
                  "the scan is being ended: " + lifecycle_.why_ending().message};
   const std::uint64_t received = frames_.counts().received;
   if (next_sequence > received) {
-    const Error lost{ErrorCode::kIo, "the server has frames 0 to " + std::to_string(received) +
-                                         " (exclusive) of the scan and the camera " +
-                                         "only those from " + std::to_string(next_sequence) +
-                                         " on: the disk has lost what lies between"};
+    const Error lost{
+        ErrorCode::kIo,
+        fmt::format("the server has frames 0 to {} (exclusive) of the scan and the camera only "
+                    "those from {} on: the disk has lost what lies between",
+                    received, next_sequence)};
     end_early(lost);
     return lost;
   }
@@ -66,7 +69,7 @@ Status LiveScan::receive(wire::Frame frame, std::string_view message) {
   if (lifecycle_.is_ending()) return Done{};  // the frame was in transit when the scan ended
   if (lifecycle_.has_all_frames())
     return Error{ErrorCode::kInvalidArgument,
-                 "frame " + std::to_string(frame.sequence) + " came after finish"};
+                 fmt::format("frame {} came after finish", frame.sequence)};
   if (Status received = frames_.receive(frame.sequence); !received.ok()) return received;
   camera_.frame_came();
   pause(false);

@@ -1,5 +1,7 @@
 #include "server/scan/pipeline_messages.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 namespace hermite::server {
@@ -87,8 +89,10 @@ std::string remark_about_map(const pipeline::PipelineStatistics& statistics) {
   const std::int64_t parts = statistics.mapping.value_or(adjust::MappingCounts{}).components;
   if (parts < 2) return remark;
   if (!remark.empty()) remark += "; ";
-  return remark + "the map is in " + std::to_string(parts) +
-         " parts that could not be joined: the camera never saw enough of two at once";
+  return fmt::format(
+      "{}the map is in {} parts that could not be joined: the camera never saw enough of two at "
+      "once",
+      remark, parts);
 }
 
 }  // namespace hermite::server

@@ -1,5 +1,7 @@
 #include "server/scan/received_frames.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -22,15 +24,15 @@ ReceivedFrames::ReceivedFrames(std::uint32_t credit_window, std::uint64_t expect
 
 Status ReceivedFrames::receive(std::uint64_t sequence) {
   if (sequence != counts_.received)
-    return broken_rule("frame.sequence is " + std::to_string(sequence) + ", expected is " +
-                       std::to_string(counts_.received) +
-                       ": frames are numbered 0, 1, 2, ... without gaps");
+    return broken_rule(fmt::format(
+        "frame.sequence is {}, expected is {}: frames are numbered 0, 1, 2, ... without gaps",
+        sequence, counts_.received));
   if (!camera_may_send())
-    return broken_rule("frame " + std::to_string(sequence) + " came without credit: granted are " +
-                       std::to_string(granted()) + " frames in all");
+    return broken_rule(fmt::format("frame {} came without credit: granted are {} frames in all",
+                                   sequence, granted()));
   if (counts_.received >= kMaxFramesPerScan)
     return Error{ErrorCode::kTooLarge,
-                 "a scan has at most " + std::to_string(kMaxFramesPerScan) + " frames"};
+                 fmt::format("a scan has at most {} frames", kMaxFramesPerScan)};
   ++counts_.received;
   return Done{};
 }
@@ -43,8 +45,8 @@ Status ReceivedFrames::take_timestamp(double timestamp_s) {
   }
   dropped();
   if (!usable) return broken_rule("frame.timestamp_s is not a finite number of at most 1e11 s");
-  return broken_rule("frame.timestamp_s is " + std::to_string(timestamp_s) + ", not after " +
-                     std::to_string(*last_timestamp_s_) + " of the frame before");
+  return broken_rule(fmt::format("frame.timestamp_s is {:f}, not after {:f} of the frame before",
+                                 timestamp_s, *last_timestamp_s_));
 }
 
 void ReceivedFrames::restored(std::uint64_t processed_count, std::uint64_t dropped_count) {

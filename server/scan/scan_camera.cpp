@@ -1,5 +1,7 @@
 #include "server/scan/scan_camera.h"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 namespace hermite::server {
@@ -73,8 +75,8 @@ std::optional<Error> ScanCamera::given_up(bool may_send, Clock::time_point now) 
   const std::chrono::milliseconds patience = paused_ ? kMaxPause : frame_patience_;
   if (now - *silent_since_ < patience) return std::nullopt;
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(patience).count();
-  return Error{ErrorCode::kBusy, "the camera sent no frame for " + std::to_string(seconds) + " s" +
-                                     (paused_ ? ", in which it was paused" : "")};
+  return Error{ErrorCode::kBusy, fmt::format("the camera sent no frame for {} s{}", seconds,
+                                             paused_ ? ", in which it was paused" : "")};
 }
 
 }  // namespace hermite::server

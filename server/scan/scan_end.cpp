@@ -1,5 +1,6 @@
 #include "server/scan/scan_end.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 namespace hermite::server {
@@ -19,8 +20,8 @@ ScanEnd not_stored(Blobs& blobs, const std::string& scan_id, const std::optional
       in_context("its results cannot be stored",
                  away ? Error{why.code, "the store of results does not answer"} : why);
   const std::string later = away ? "once it answers" : "when there is room";
-  const std::string message =
-      (reason ? reason->message + "; " : "") + error.message + "; they are made again " + later;
+  const std::string message = fmt::format(
+      "{}{}; they are made again {}", reason ? reason->message + "; " : "", error.message, later);
   return {wire::ScanPhase::kInterrupted, reason.value_or(error), {}, message, false, true};
 }
 

@@ -1,5 +1,6 @@
 #include "server/scan/scan_room.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <utility>
@@ -17,7 +18,7 @@ constexpr std::uint64_t kRoomToBegin_bytes = frame_log::kMaxSegmentBytes;
 // Even many scans of 5 MB/s each use far less meanwhile than the room needed to start one.
 constexpr std::chrono::seconds kRoomPeriod(1);
 
-std::string in_megabytes(std::uint64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
+std::string in_megabytes(std::uint64_t bytes) { return fmt::format("{} MB", bytes / 1'000'000); }
 
 }  // namespace
 
@@ -42,10 +43,10 @@ Status ScanRoom::check_disk_for(std::uint64_t bytes) const {
   if (!free.ok()) return free.error();
   const std::uint64_t kept_back = kept_back_bytes();
   if (*free >= kept_back + bytes) return Done{};
-  return Error{ErrorCode::kBusy, "the server's disk has not enough room: " + in_megabytes(*free) +
-                                     " are free; " + in_megabytes(kept_back) +
-                                     " are kept back, also for results, and " +
-                                     in_megabytes(bytes) + " are needed to begin"};
+  return Error{ErrorCode::kBusy,
+               fmt::format("the server's disk has not enough room: {} are free; {} are kept back, "
+                           "also for results, and {} are needed to begin",
+                           in_megabytes(*free), in_megabytes(kept_back), in_megabytes(bytes))};
 }
 
 ScanRoom::Room ScanRoom::room_on_disk() const {
@@ -56,13 +57,16 @@ ScanRoom::Room ScanRoom::room_on_disk() const {
   }
   const std::uint64_t kept_back = kept_back_bytes();
   if (*free < kept_back)
-    return {Error{ErrorCode::kIo, "the server's disk is nearly full: the " + in_megabytes(*free) +
-                                      " that are left are kept for results"},
+    return {Error{ErrorCode::kIo,
+                  fmt::format(
+                      "the server's disk is nearly full: the {} that are left are kept for results",
+                      in_megabytes(*free))},
             {}};
   const std::uint64_t left_bytes = *free - kept_back;
   if (left_bytes >= kRoomToBegin_bytes) return {};
   return {{},
-          "the server's disk is nearly full: " + in_megabytes(left_bytes) + " are left for frames"};
+          fmt::format("the server's disk is nearly full: {} are left for frames",
+                      in_megabytes(left_bytes))};
 }
 
 // For scans of cameras. The scan of a job replaces its upload, which was counted when it arrived.
@@ -83,8 +87,8 @@ ScanRoom::Room ScanRoom::room_in_storage(const std::string& scan_id) const {
   results.bytes += kRoomToBegin_bytes;
   if (check_storage_for(owner, "", results).ok()) return {};
   return {{},
-          "the storage is nearly used up: less than " + in_megabytes(kRoomToBegin_bytes) +
-              " are left for frames"};
+          fmt::format("the storage is nearly used up: less than {} are left for frames",
+                      in_megabytes(kRoomToBegin_bytes))};
 }
 
 Status ScanRoom::check_storage(const ScanOwner& owner, const std::string& except_upload_id) const {

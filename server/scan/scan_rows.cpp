@@ -1,5 +1,7 @@
 #include "server/scan/scan_rows.h"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include "server/store/scan_id.h"
@@ -30,7 +32,7 @@ Result<ScanRow> ScanRows::find(const std::string& scan_id) {
   Result<ScanRow> row = store_.scans.find(scan_id);
   if (!row.ok()) return row;
   if (removals_.find(scan_id))
-    return Error{ErrorCode::kNotFound, "scan " + scan_id + " is removed"};
+    return Error{ErrorCode::kNotFound, fmt::format("scan {} is removed", scan_id)};
   return as_it_is(*std::move(row));
 }
 

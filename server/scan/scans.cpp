@@ -1,5 +1,6 @@
 #include "server/scan/scans.h"
 
+#include <fmt/core.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
@@ -178,12 +179,13 @@ Result<std::shared_ptr<Subscribers>> Scans::watch(const std::string& scan_id) {
 }
 
 Status Scans::remove(const std::string& scan_id) {
-  if (running_.contains(scan_id)) return Error{ErrorCode::kBusy, "scan " + scan_id + " is running"};
+  if (running_.contains(scan_id))
+    return Error{ErrorCode::kBusy, fmt::format("scan {} is running", scan_id)};
   const Result<ScanRow> row = rows_.find(scan_id);
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
     return Error{ErrorCode::kBusy,
-                 "scan " + scan_id + " is to go on: cancel its job, or try again later"};
+                 fmt::format("scan {} is to go on: cancel its job, or try again later", scan_id)};
   if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status;
   shown_.forget(scan_id);
   return rows_.remove(*row);
@@ -208,14 +210,15 @@ Status Scans::end(const std::string& scan_id) {
   if (!row.ok()) return row.error();
   const auto running = running_.find(scan_id);
   if (running == running_.end() || !running->second->lifecycle().takes_frames())
-    return Error{ErrorCode::kBusy,
-                 "scan " + scan_id + " takes no frames any more: there is nothing to stop"};
+    return Error{
+        ErrorCode::kBusy,
+        fmt::format("scan {} takes no frames any more: there is nothing to stop", scan_id)};
   const Result<std::vector<JobRow>> jobs = storage_.store.jobs.in_state(JobState::kRunning);
   if (!jobs.ok()) return jobs.error();
   for (const JobRow& job : *jobs)
     if (job.scan_id == scan_id)
       return Error{ErrorCode::kBusy,
-                   "scan " + scan_id + " is made by job " + job.id + ": cancel that"};
+                   fmt::format("scan {} is made by job {}: cancel that", scan_id, job.id)};
   running->second->end_early({ErrorCode::kBusy, "stopped from the viewer"});
   return Done{};
 }

@@ -1,5 +1,6 @@
 #include "server/scan/stored_frames.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -30,7 +31,7 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-std::string frame_text(std::uint64_t sequence) { return "frame " + std::to_string(sequence); }
+std::string frame_text(std::uint64_t sequence) { return fmt::format("frame {}", sequence); }
 
 Result<ScanRecord> read_record(const std::string& log_folder) {
   const Result<frame_log::LogRecord> terms = frame_log::read_log_record(log_folder, 0),
@@ -42,7 +43,7 @@ Result<ScanRecord> read_record(const std::string& log_folder) {
 
 Result<wire::Frame> read_frame(const std::string& log_folder, std::uint64_t sequence) {
   const Error none{ErrorCode::kNotFound,
-                   "there is no " + frame_text(sequence) + ": the recording ends before"};
+                   fmt::format("there is no {}: the recording ends before", frame_text(sequence))};
   if (sequence >= kMaxFramesPerScan) return none;
   const Result<frame_log::LogRecord> record =
       frame_log::read_log_record(log_folder, sequence + kRecordsBeforeFrames);
@@ -170,7 +171,8 @@ Result<FrameImage> read_color(const std::string& log_folder, std::uint64_t seque
   const Result<image::ImageFormat> format = image::detect_image_format(bytes_of(frame->color));
   if (!format.ok())
     return Error{ErrorCode::kCorruptData,
-                 frame_text(sequence) + " came without a colour image: " + format.error().message};
+                 fmt::format("{} came without a colour image: {}", frame_text(sequence),
+                             format.error().message)};
   return FrameImage{std::move(frame->color),
                     *format == image::ImageFormat::kJpeg ? "image/jpeg" : "image/png"};
 }

@@ -1,5 +1,7 @@
 #include "server/scan/subscribers.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -192,9 +194,8 @@ SharedBytes Viewer::next_part(const std::map<Key, ShownPart>& parts, MissingPart
 
 Status Viewer::acknowledge(std::uint64_t bytes) {
   if (bytes > sent_bytes_)
-    return Error{ErrorCode::kInvalidArgument, "viewer_ack.bytes is " + std::to_string(bytes) +
-                                                  ", sent were only " +
-                                                  std::to_string(sent_bytes_)};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("viewer_ack.bytes is {}, sent were only {}", bytes, sent_bytes_)};
   if (bytes > acknowledged_bytes_) acknowledged_bytes_ = bytes;
   return Done{};
 }
