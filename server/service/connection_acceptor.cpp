@@ -1,5 +1,6 @@
 #include "server/service/connection_acceptor.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <boost/asio/any_io_executor.hpp>
@@ -64,7 +65,7 @@ void ConnectionAcceptor::take(tcp::socket socket, const Port& port) {
                    asio::detached);
   } else if (refusing_count_ < kMaxRefusing) {
     log_with({{}, address}, spdlog::level::warn,
-             "refused a connection: " + std::to_string(port.connections.count()) + " are open");
+             fmt::format("refused a connection: {} are open", port.connections.count()));
     asio::co_spawn(executor, refuse(std::move(socket), port.encrypted), asio::detached);
   }
 }

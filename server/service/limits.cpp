@@ -1,5 +1,7 @@
 #include "server/service/limits.h"
 
+#include <fmt/core.h>
+
 #include "core/archive/unpack.h"
 #include "core/base/check.h"
 #include "core/import/model.h"
@@ -76,30 +78,29 @@ std::string number(std::int64_t value, const std::string& unit) {
   return value == 0 ? "-" : std::to_string(value) + (unit.empty() ? "" : " " + unit);
 }
 
-std::string kib(std::size_t bytes) { return std::to_string(bytes / 1024) + " KiB"; }
+std::string kib(std::size_t bytes) { return fmt::format("{} KiB", bytes / 1024); }
 
 std::vector<Bound> bounds_of_connections(const ServiceOptions& options) {
   return {
       {"connections, in all and of one address",
-       std::to_string(options.max_connections) + ", " +
-           std::to_string(options.connections_per_address),
-       "HTTP 503"},
+       fmt::format("{}, {}", options.max_connections, options.connections_per_address), "HTTP 503"},
       {"HTTP requests and upgrades of one address",
-       std::to_string(options.requests_per_second) + " a second, " +
-           std::to_string(2 * options.requests_per_second) + " at once",
+       fmt::format("{} a second, {} at once", options.requests_per_second,
+                   2 * options.requests_per_second),
        "HTTP 429"},
-      {"wrong secrets of one address", std::to_string(options.failures_per_minute) + " a minute",
+      {"wrong secrets of one address", fmt::format("{} a minute", options.failures_per_minute),
        "HTTP 429, close code 4013. A right one is still let in: many people may share an address"},
       {"addresses that are counted one by one", std::to_string(kMaxLimitedAddresses),
        "the others share one allowance"},
       {"header, body",
-       kib(kMaxHeaderBytes) + ", " + kib(kMaxBodyBytes) + ", " + kib(kMaxMeasureBodyBytes) +
-           " to measure, " + kib(kMaxNoteBodyBytes) + " for a note, " + kib(kMaxEdits_bytes) +
-           " for the edits of a scan; pieces of uploads below",
+       fmt::format("{}, {}, {} to measure, {} for a note, {} for the edits of a scan; pieces of "
+                   "uploads below",
+                   kib(kMaxHeaderBytes), kib(kMaxBodyBytes), kib(kMaxMeasureBodyBytes),
+                   kib(kMaxNoteBodyBytes), kib(kMaxEdits_bytes)),
        "HTTP 431, 413"},
       {"first message; frames; viewers' messages",
-       kib(wire::kMaxBytesBeforeWelcome) + "; 64 KiB + 8 bytes a pixel; " +
-           kib(wire::kMaxBytesBeforeWelcome),
+       fmt::format("{}; 64 KiB + 8 bytes a pixel; {}", kib(wire::kMaxBytesBeforeWelcome),
+                   kib(wire::kMaxBytesBeforeWelcome)),
        "close code 1009"},
       {"header, first message", "10 s each", "closed"},
       {"a piece of 128 KiB of a long body", "60 s", "connection closed, what came is kept"},
@@ -111,31 +112,29 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
   const archive::UnpackLimits unpack;
   return {
       {"a camera that could send a frame and sends none",
-       std::to_string(options.frame_patience_s) + " s, less where it asks for less",
+       fmt::format("{} s, less where it asks for less", options.frame_patience_s),
        "the scan ends as interrupted"},
-      {"a pause", std::to_string(std::chrono::minutes(kMaxPause).count()) + " min",
+      {"a pause", fmt::format("{} min", std::chrono::minutes(kMaxPause).count()),
        "the scan ends as interrupted"},
       {"frames of a scan", std::to_string(kMaxFramesPerScan), "close code 1009"},
       {"surfels of a map with a surface while it grows", std::to_string(mesh::kMostLiveSurfels),
        "its points are shown"},
       {"priority of a job without `admin`",
-       std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriorityForAll),
-       "HTTP 403"},
-      {"one upload", std::to_string(options.max_upload_gb) + " GB", "HTTP 413"},
+       fmt::format("{} to {}", kLowestPriority, kHighestPriorityForAll), "HTTP 403"},
+      {"one upload", fmt::format("{} GB", options.max_upload_gb), "HTTP 413"},
       {"free disk that scans, uploads, unpacking and exports leave",
-       std::to_string(options.min_free_disk_mb) + " MB, and an inode for each",
+       fmt::format("{} MB, and an inode for each", options.min_free_disk_mb),
        "close code 4013, HTTP 503, 507; the job and the export wait"},
-      {"an upload that nothing happens with", std::to_string(options.keep_upload_hours) + " h",
+      {"an upload that nothing happens with", fmt::format("{} h", options.keep_upload_hours),
        "deleted"},
       {"unpacking",
-       std::to_string(unpack.entry_count) + " files, " + std::to_string(unpack.output_bytes >> 30) +
-           " GiB, " + std::to_string(unpack.ratio) + " times the archive",
+       fmt::format("{} files, {} GiB, {} times the archive", unpack.entry_count,
+                   unpack.output_bytes >> 30, unpack.ratio),
        "the job fails"},
       {"a cloud or mesh that is imported",
-       std::to_string(imports::kMaxModel_bytes >> 20) + " MiB, " +
-           std::to_string(imports::kMaxModelVertices) + " vertices, " +
-           std::to_string(imports::kMaxModelTriangles) + " triangles, " +
-           std::to_string(imports::kMaxModelPixels) + " pixels",
+       fmt::format("{} MiB, {} vertices, {} triangles, {} pixels", imports::kMaxModel_bytes >> 20,
+                   imports::kMaxModelVertices, imports::kMaxModelTriangles,
+                   imports::kMaxModelPixels),
        "the job fails"},
   };
 }
@@ -146,33 +145,32 @@ std::vector<Bound> bounds_of_results() {
       {"frames that are looked at, at once; two are worked on",
        std::to_string(kMaxFramesAskedAtOnce), "HTTP 503"},
       {"the cloud of a scan that exports are made of",
-       std::to_string(kMaxExportCloud_bytes >> 20) + " MiB", "the export fails"},
+       fmt::format("{} MiB", kMaxExportCloud_bytes >> 20), "the export fails"},
       {"the surfels of a scan that meshes are made of",
-       std::to_string(kMaxMeshedCloud_bytes >> 20) + " MiB, and 4.4 times of them free in memory",
+       fmt::format("{} MiB, and 4.4 times of them free in memory", kMaxMeshedCloud_bytes >> 20),
        "the export fails"},
       {"exports of a scan with options", std::to_string(kMaxShapedExports), "HTTP 503"},
       {"comparisons of a scan with others, as the first of both", std::to_string(kMaxComparisons),
        "HTTP 503"},
       {"the surfels of a scan that is compared",
-       std::to_string(kMaxComparedCloud_bytes >> 20) + " MiB, and what fits into the free memory",
+       fmt::format("{} MiB, and what fits into the free memory", kMaxComparedCloud_bytes >> 20),
        "the comparison fails"},
       {"measurements that are made at once", std::to_string(kMaxMeasuringAtOnce), "HTTP 503"},
       {"scans whose surfels are kept in memory to be measured in",
-       std::to_string(MeasuringCache::kMostScans) + ", " +
-           std::to_string(MeasuringCache::kMost_bytes >> 20) + " MiB together",
+       fmt::format("{}, {} MiB together", MeasuringCache::kMostScans,
+                   MeasuringCache::kMost_bytes >> 20),
        "they are read again"},
       {"points of ended scans that are kept for viewers",
-       std::to_string(kMaxShown_bytes >> 20) + " MiB together, or one scan", "close code 4013"},
+       fmt::format("{} MiB together, or one scan", kMaxShown_bytes >> 20), "close code 4013"},
       {"corners of an area that is measured", std::to_string(measure::kMostCorners), "HTTP 400"},
       {"measurements of a scan that are kept", std::to_string(kMaxMeasurementsPerScan), "HTTP 409"},
       {"edits of a scan", std::to_string(edit::kMostEdits), "HTTP 400"},
       {"notes in a scan; the text of one",
-       std::to_string(kMaxNotesPerScan) + "; " + std::to_string(kMaxNoteTextBytes) + " bytes",
-       "HTTP 409; 400"},
+       fmt::format("{}; {} bytes", kMaxNotesPerScan, kMaxNoteTextBytes), "HTTP 409; 400"},
       {"ended tokens and links that a list keeps, of one maker",
-       std::to_string(kMaxEndedLinksPerToken) + ", for 90 days", "the oldest are forgotten"},
+       fmt::format("{}, for 90 days", kMaxEndedLinksPerToken), "the oldest are forgotten"},
       {"ended jobs that a list keeps, of one token",
-       std::to_string(kMaxEndedJobsPerToken) + ", for 90 days", "the oldest are forgotten"},
+       fmt::format("{}, for 90 days", kMaxEndedJobsPerToken), "the oldest are forgotten"},
   };
 }
 
@@ -200,12 +198,13 @@ std::string limits_text(const ServiceOptions& options) {
       "| shared by all tokens | in all | of one token | of that for `admin` only | answer "
       "|\n|---|---|---|---|---|\n";
   for (const SharedLimit& limit : shared_limits(options))
-    text += "| " + limit.what + " | " + number(limit.share.in_all, limit.unit) + " | " +
-            number(limit.share.per_token, limit.unit) + " | " +
-            number(limit.share.for_admins, limit.unit) + " | " + limit.answer + " |\n";
+    text += fmt::format("| {} | {} | {} | {} | {} |\n", limit.what,
+                        number(limit.share.in_all, limit.unit),
+                        number(limit.share.per_token, limit.unit),
+                        number(limit.share.for_admins, limit.unit), limit.answer);
   text += "\n| bound | default | answer |\n|---|---|---|\n";
   for (const Bound& bound : bounds(options))
-    text += "| " + bound.what + " | " + bound.value + " | " + bound.answer + " |\n";
+    text += fmt::format("| {} | {} | {} |\n", bound.what, bound.value, bound.answer);
   return text;
 }
 

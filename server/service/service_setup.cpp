@@ -1,5 +1,6 @@
 #include "server/service/service_setup.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <boost/asio/ip/address.hpp>
@@ -25,11 +26,11 @@ ListenAddress checked_address(const ServiceOptions& options) {
                                  !options.trusted_proxies.empty() || options.insecure_listen;
   if (!is_loopback(address) && !protected_somehow)
     throw SetupError(
-        {ErrorCode::kInvalidArgument, "--listen " + options.listen +
-                                          " is reachable from other machines and the connection is "
-                                          "not encrypted: give --tls-certificate and --tls-key, or "
-                                          "name the proxy that ends TLS with --trusted-proxy, or "
-                                          "listen on 127.0.0.1, or add --insecure-i-know"});
+        {ErrorCode::kInvalidArgument,
+         fmt::format("--listen {} is reachable from other machines and the connection is not "
+                     "encrypted: give --tls-certificate and --tls-key, or name the proxy that ends "
+                     "TLS with --trusted-proxy, or listen on 127.0.0.1, or add --insecure-i-know",
+                     options.listen)});
   return address;
 }
 
@@ -39,10 +40,10 @@ std::optional<ListenAddress> checked_admin_address(const ServiceOptions& options
   if (!address.ok()) throw SetupError(in_context("--admin-listen", address.error()));
   if (!is_loopback(*address) && !options.insecure_listen)
     throw SetupError(
-        {ErrorCode::kInvalidArgument, "--admin-listen " + options.admin_listen +
-                                          " is reachable from other machines, and whoever reaches "
-                                          "it needs no token: take a loopback address, or add "
-                                          "--insecure-i-know"});
+        {ErrorCode::kInvalidArgument,
+         fmt::format("--admin-listen {} is reachable from other machines, and whoever reaches it "
+                     "needs no token: take a loopback address, or add --insecure-i-know",
+                     options.admin_listen)});
   return *address;
 }
 
@@ -99,7 +100,7 @@ UploadLimits upload_limits(const ServiceOptions& options) {
 AllowedHosts allowed_hosts(const ServiceOptions& options, const ListenAddress& address) {
   AllowedHosts hosts = default_hosts();
   hosts.push_back(address.host.find(':') == std::string::npos ? address.host
-                                                              : "[" + address.host + "]");
+                                                              : fmt::format("[{}]", address.host));
   hosts.insert(hosts.end(), options.allow_hosts.begin(), options.allow_hosts.end());
   return hosts;
 }
@@ -121,7 +122,8 @@ asio::ip::tcp::acceptor open_port(asio::io_context& context, const ListenAddress
   if (!error) acceptor.bind(endpoint, error);
   if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
   if (error)
-    throw SetupError({ErrorCode::kIo, "listening on " + url_of(address) + ": " + error.message()});
+    throw SetupError(
+        {ErrorCode::kIo, fmt::format("listening on {}: {}", url_of(address), error.message())});
   return acceptor;
 }
 

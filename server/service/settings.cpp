@@ -1,5 +1,7 @@
 #include "server/service/settings.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -38,7 +40,7 @@ std::string limits_of(const SettingRow& row) {
   if (!row.choices.empty()) return as_text(row.choices);
   if (std::holds_alternative<bool ServiceOptions::*>(row.field)) return "true or false";
   if (!std::holds_alternative<int ServiceOptions::*>(row.field)) return {};
-  return std::to_string(row.low) + " to " + std::to_string(row.high) + " " + row.unit;
+  return fmt::format("{} to {} {}", row.low, row.high, row.unit);
 }
 
 std::string environment_of(const SettingRow& row) {
@@ -49,8 +51,7 @@ std::string environment_of(const SettingRow& row) {
 }
 
 Error not_allowed(const SettingRow& row, const std::string& value) {
-  return invalid("setting " + std::string(row.key) + " is '" + value + "', allowed is " +
-                 limits_of(row));
+  return invalid(fmt::format("setting {} is '{}', allowed is {}", row.key, value, limits_of(row)));
 }
 
 Status check_text(const SettingRow& row, const std::string& text) {
@@ -58,11 +59,9 @@ Status check_text(const SettingRow& row, const std::string& text) {
     return c == '"' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
   };
   if (std::any_of(text.begin(), text.end(), bad))
-    return invalid("setting " + std::string(row.key) +
-                   " has a quotation mark or a control character");
+    return invalid(fmt::format("setting {} has a quotation mark or a control character", row.key));
   if (text.size() > kMaxTextBytes)
-    return invalid("setting " + std::string(row.key) + " is longer than " +
-                   std::to_string(kMaxTextBytes) + " bytes");
+    return invalid(fmt::format("setting {} is longer than {} bytes", row.key, kMaxTextBytes));
   if (!row.choices.empty() &&
       std::find(row.choices.begin(), row.choices.end(), text) == row.choices.end())
     return not_allowed(row, text);
@@ -71,12 +70,12 @@ Status check_text(const SettingRow& row, const std::string& text) {
 
 Status check_list(const SettingRow& row, const List& values) {
   if (values.size() > static_cast<std::size_t>(kMaxListEntries))
-    return invalid("setting " + std::string(row.key) + " has " + std::to_string(values.size()) +
-                   " values, allowed are " + std::to_string(kMaxListEntries));
+    return invalid(fmt::format("setting {} has {} values, allowed are {}", row.key, values.size(),
+                               kMaxListEntries));
   for (const std::string& value : values) {
     if (value.empty() || value.find(',') != std::string::npos)
-      return invalid("setting " + std::string(row.key) + " has a value '" + value +
-                     "': it may not be empty or have a comma");
+      return invalid(fmt::format("setting {} has a value '{}': it may not be empty or have a comma",
+                                 row.key, value));
     if (Status status = check_text(row, value); !status.ok()) return status;
   }
   return Done{};
@@ -109,16 +108,16 @@ Status apply_setting(ServiceOptions& options, const std::string& key,
                      const std::vector<std::string>& values) {
   const SettingRow* const row = find_row(key);
   if (!row)
-    return Error{ErrorCode::kNotFound,
-                 "there is no setting '" + key + "'; `hermite serve --print-config` lists them"};
+    return Error{
+        ErrorCode::kNotFound,
+        fmt::format("there is no setting '{}'; `hermite serve --print-config` lists them", key)};
   if (const auto* list = std::get_if<List ServiceOptions::*>(&row->field)) {
     if (Status status = check_list(*row, values); !status.ok()) return status;
     options.** list = values;
     return Done{};
   }
   if (values.size() != 1)
-    return invalid("setting " + key + " takes one value, given are " +
-                   std::to_string(values.size()));
+    return invalid(fmt::format("setting {} takes one value, given are {}", key, values.size()));
   const std::string& value = values.front();
   if (const auto* text = std::get_if<std::string ServiceOptions::*>(&row->field)) {
     if (Status status = check_text(*row, value); !status.ok()) return status;
@@ -148,8 +147,9 @@ Status apply_environment(ServiceOptions& options, const char* const* variables) 
         setting_rows().begin(), setting_rows().end(),
         [name](const SettingRow& candidate) { return name == environment_of(candidate); });
     if (row == setting_rows().end())
-      return invalid("the environment has " + std::string(name) +
-                     ", which is no setting; `hermite serve --print-config` lists them");
+      return invalid(fmt::format(
+          "the environment has {}, which is no setting; `hermite serve --print-config` lists them",
+          name));
     List values{value};
     if (std::holds_alternative<List ServiceOptions::*>(row->field)) {
       values.clear();

@@ -1,5 +1,6 @@
 #include "server/service/settings_file.h"
 
+#include <fmt/core.h>
 #include <toml++/toml.h>
 
 #include <optional>
@@ -22,8 +23,8 @@ Error in_line(const std::string& text, const toml::source_region& where, const E
   for (toml::source_index number = 0; number < where.begin.line; ++number)
     std::getline(lines, line);
   if (!line.empty() && line.back() == '\r') line.pop_back();
-  return in_context("line " + std::to_string(where.begin.line) + ", " +
-                        line.substr(0, kQuotedBytes) + (line.size() > kQuotedBytes ? "..." : ""),
+  return in_context(fmt::format("line {}, {}{}", where.begin.line, line.substr(0, kQuotedBytes),
+                                line.size() > kQuotedBytes ? "..." : ""),
                     {ErrorCode::kInvalidArgument, error.message});
 }
 
@@ -67,7 +68,7 @@ std::string as_toml(const Value& value) {
 Status apply_config(ServiceOptions& options, const std::string& text) {
   if (text.size() > kMaxConfigBytes)
     return Error{ErrorCode::kInvalidArgument,
-                 "the file is longer than " + std::to_string(kMaxConfigBytes) + " bytes"};
+                 fmt::format("the file is longer than {} bytes", kMaxConfigBytes)};
   try {
     const toml::table settings = toml::parse(text);
     for (const auto& [key, node] : settings)
@@ -88,7 +89,7 @@ std::string toml_of(const SettingRow& row, const ServiceOptions& options) {
           std::string list;
           for (const std::string& entry : value)
             list += (list.empty() ? "" : ", ") + as_toml(toml::value(entry));
-          return '[' + list + ']';
+          return fmt::format("[{}]", list);
         } else {
           return as_toml(toml::value(value));
         }
@@ -105,10 +106,10 @@ std::string format_config(const ServiceOptions& options, const ServiceOptions& d
   const std::vector<ServiceSetting> settings = list_settings(options);
   for (std::size_t i = 0; i < settings.size(); ++i) {
     const ServiceSetting& setting = settings[i];
-    text += "\n# " + setting.description + "\n# default: " + standard[i].value;
+    text += fmt::format("\n# {}\n# default: {}", setting.description, standard[i].value);
     if (!setting.limits.empty()) text += "; allowed: " + setting.limits;
-    text +=
-        "; environment: " + setting.environment + "\n" + setting.key + " = " + setting.value + "\n";
+    text += fmt::format("; environment: {}\n{} = {}\n", setting.environment, setting.key,
+                        setting.value);
   }
   return text;
 }
