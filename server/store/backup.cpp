@@ -2,6 +2,7 @@
 
 #include <SQLiteCpp/Backup.h>
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/core.h>
 #include <sqlite3.h>
 
 #include <cerrno>
@@ -40,10 +41,10 @@ Status copy_file_of_rows(const std::string& from, const std::string& to) try {
   SQLite::Database copy(to, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
   SQLite::Backup backup(copy, reader.database());
   if (backup.executeStep(-1) != SQLITE_DONE)
-    return Error{ErrorCode::kIo, "copying the database " + from + ": it is locked"};
+    return Error{ErrorCode::kIo, fmt::format("copying the database {}: it is locked", from)};
   return Done{};
 } catch (const SQLite::Exception& failure) {
-  return Error{ErrorCode::kIo, "copying the database " + from + ": " + failure.what()};
+  return Error{ErrorCode::kIo, fmt::format("copying the database {}: {}", from, failure.what())};
 }
 
 // From a folder to a file.
@@ -73,7 +74,7 @@ Status copy_file(const fs::path& from, const fs::path& to, BackupSummary& summar
   if (error == std::errc::no_such_file_or_directory && !fs::exists(from)) return Done{};
   if (error) return io_error("copying " + from.string(), error);
   fs::permissions(to, fs::perms::owner_read | fs::perms::owner_write, error);
-  if (error) return io_error("making " + to.string() + " private", error);
+  if (error) return io_error(fmt::format("making {} private", to.string()), error);
   if (Status status = sync_path(to); !status.ok()) return status;
   ++summary.file_count;
   summary.bytes += fs::file_size(to, error);
@@ -157,10 +158,10 @@ Status require_database(const std::string& folder) {
   std::error_code error;
   if (fs::exists(folder + "/" + kRestoreMark, error))
     return Error{ErrorCode::kInvalidArgument,
-                 "a restore into " + folder + " was cut off: restore into it again first"};
+                 fmt::format("a restore into {} was cut off: restore into it again first", folder)};
   for (const char* name : {kRowsFile, kRowsAt})
     if (fs::is_regular_file(folder + "/" + name, error)) return Done{};
-  return Error{ErrorCode::kNotFound, "there is no " + folder + "/" + kRowsFile};
+  return Error{ErrorCode::kNotFound, fmt::format("there is no {}/{}", folder, kRowsFile)};
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "server/store/blobs.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 namespace hermite::server {
@@ -17,9 +19,8 @@ Result<std::string> read_blob(Blobs& blobs, const std::string& scan_id, const st
   const Result<std::uint64_t> size_bytes = blobs.size_bytes(scan_id, name);
   if (!size_bytes.ok()) return size_bytes.error();
   if (*size_bytes > max_bytes)
-    return Error{ErrorCode::kTooLarge, name + " of scan " + scan_id + " has " +
-                                           std::to_string(*size_bytes) + " bytes, allowed are " +
-                                           std::to_string(max_bytes)};
+    return Error{ErrorCode::kTooLarge, fmt::format("{} of scan {} has {} bytes, allowed are {}",
+                                                   name, scan_id, *size_bytes, max_bytes)};
   return blobs.read(scan_id, name, 0, *size_bytes);
 }
 

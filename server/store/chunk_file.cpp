@@ -1,5 +1,7 @@
 #include "server/store/chunk_file.h"
 
+#include <fmt/core.h>
+
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -56,7 +58,7 @@ Result<StoredSubmap> read_submap(Reader& reader) {
       Eigen::Quaterniond(values[6], values[3], values[4], values[5]);
   const bool unit = std::abs(stored.world_from_submap.rotation.norm() - 1) < 1e-3;
   if (!unit || !stored.world_from_submap.translation.allFinite())
-    return corrupt("the pose of submap " + std::to_string(stored.submap) + " is cut or none");
+    return corrupt(fmt::format("the pose of submap {} is cut or none", stored.submap));
   return stored;
 }
 
@@ -70,7 +72,7 @@ Result<output::EncodedChunk> read_chunk(Reader& reader) {
   chunk.point_count = reader.number<std::uint32_t>();
   const std::uint32_t byte_count = reader.number<std::uint32_t>();
   if (chunk.point_count > output::kMaxPointsPerChunk)
-    return corrupt("a chunk of " + std::to_string(chunk.point_count) + " points");
+    return corrupt(fmt::format("a chunk of {} points", chunk.point_count));
   chunk.draco = std::string(reader.take(byte_count));
   if (reader.cut) return corrupt("cut inside a chunk");
   return chunk;
@@ -120,7 +122,7 @@ Result<StoredChunks> parse_chunk_file(std::string_view bytes) {
   }
   if (reader.cut) return corrupt("cut");
   if (!reader.rest.empty())
-    return corrupt(std::to_string(reader.rest.size()) + " bytes behind the end");
+    return corrupt(fmt::format("{} bytes behind the end", reader.rest.size()));
   return stored;
 }
 

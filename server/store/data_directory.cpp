@@ -1,5 +1,6 @@
 #include "server/store/data_directory.h"
 
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -35,7 +36,8 @@ Result<std::uint64_t> bytes_below(const std::string& folder) {
   }
   // A scan may be removed meanwhile.
   if (error && error != std::errc::no_such_file_or_directory)
-    return Error{ErrorCode::kIo, "adding up the files in " + folder + ": " + error.message()};
+    return Error{ErrorCode::kIo,
+                 fmt::format("adding up the files in {}: {}", folder, error.message())};
   return total;
 }
 
@@ -49,7 +51,7 @@ Result<std::vector<std::string>> ids_in(const std::string& folder, fs::file_type
     if (is_scan_id(name) && entry->symlink_status(gone).type() == type)
       ids.push_back(std::move(name));
   }
-  if (error) return Error{ErrorCode::kIo, "reading " + folder + ": " + error.message()};
+  if (error) return Error{ErrorCode::kIo, fmt::format("reading {}: {}", folder, error.message())};
   return ids;
 }
 
@@ -62,7 +64,7 @@ bool create_with_parents(const std::string& wanted, const fs::path& folder) {
   fs::create_directory(folder, error);
   if (error)
     throw SetupError(
-        {ErrorCode::kIo, "creating the data folder " + wanted + ": " + error.message()});
+        {ErrorCode::kIo, fmt::format("creating the data folder {}: {}", wanted, error.message())});
   // Without permission to read the parent it cannot be synced; whoever starts a server in such a
   // place has to accept that.
   if (access(parent.c_str(), R_OK) == 0) or_throw(sync_path(parent));
@@ -74,9 +76,10 @@ void close_to_others(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) throw SetupError(errno_error("looking at " + path));
   if ((status.st_mode & 0007) == 0 || chmod(path.c_str(), 0700) == 0) return;
-  throw SetupError({ErrorCode::kIo, path + " is open to other users, and is not ours to close (" +
-                                        std::strerror(errno) +
-                                        "): chown it to the user of the server, or chmod o= it"});
+  throw SetupError(
+      {ErrorCode::kIo, fmt::format("{} is open to other users, and is not ours to close ({}): "
+                                   "chown it to the user of the server, or chmod o= it",
+                                   path, std::strerror(errno))});
 }
 
 // Creates the folder of a server, or looks whether a server may use it as it is. Returns its path.
@@ -84,9 +87,11 @@ const std::string& prepared(const std::string& path) {
   if (create_with_parents(path, (fs::absolute(path) / "").parent_path())) chmod(path.c_str(), 0700);
   close_to_others(path);
   if (std::error_code error; fs::exists(path + "/" + kRestoreMark, error))
-    throw SetupError({ErrorCode::kCorruptData,
-                      "a restore into " + path +
-                          " was cut off: `hermite restore` into it again, which begins anew"});
+    throw SetupError(
+        {ErrorCode::kCorruptData,
+         fmt::format(
+             "a restore into {} was cut off: `hermite restore` into it again, which begins anew",
+             path)});
   return path;
 }
 
@@ -97,10 +102,10 @@ DataDirectory::DataDirectory(const std::string& path)
   for (const char* folder :
        {"/scans", "/waste", "/lost", "/lost/scans", "/lost/uploads", "/uploads"})
     if (mkdir((path_ + folder).c_str(), 0700) != 0 && errno != EEXIST)
-      throw SetupError(errno_error("creating " + path_ + folder));
+      throw SetupError(errno_error(fmt::format("creating {}{}", path_, folder)));
   or_throw(set_aside_.discard_jobs());
   if (mkdir((path_ + "/jobs").c_str(), 0700) != 0)
-    throw SetupError(errno_error("creating " + path_ + "/jobs"));
+    throw SetupError(errno_error(fmt::format("creating {}/jobs", path_)));
   for (const char* folder : {"", "/lost"}) or_throw(sync_path(path_ + folder));
   token_ = read_or_create_first_token(path_ + "/token");
 }
@@ -120,7 +125,8 @@ Status DataDirectory::remove_scan_folder(const std::string& scan_id) const {
   std::error_code error;
   std::filesystem::remove_all(scan_folder(scan_id), error);
   if (error)
-    return Error{ErrorCode::kIo, "removing the files of scan " + scan_id + ": " + error.message()};
+    return Error{ErrorCode::kIo,
+                 fmt::format("removing the files of scan {}: {}", scan_id, error.message())};
   return Done{};
 }
 
@@ -128,7 +134,8 @@ Status DataDirectory::remove_log_folder(const std::string& scan_id) const {
   std::error_code error;
   std::filesystem::remove_all(log_folder(scan_id), error);
   if (error)
-    return Error{ErrorCode::kIo, "removing the frames of scan " + scan_id + ": " + error.message()};
+    return Error{ErrorCode::kIo,
+                 fmt::format("removing the frames of scan {}: {}", scan_id, error.message())};
   return Done{};
 }
 
@@ -207,7 +214,8 @@ Status DataDirectory::remove_job_folder(const std::string& job_id) const {
   std::error_code error;
   std::filesystem::remove_all(job_folder(job_id), error);
   if (error)
-    return Error{ErrorCode::kIo, "removing the files of job " + job_id + ": " + error.message()};
+    return Error{ErrorCode::kIo,
+                 fmt::format("removing the files of job {}: {}", job_id, error.message())};
   return Done{};
 }
 

@@ -1,6 +1,7 @@
 #include "server/store/disk_space.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -25,7 +26,8 @@ Result<std::uint64_t> free_bytes(const std::string& path) {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(path, error);
   if (error)
-    return Error{ErrorCode::kIo, "asking for the free space of " + path + ": " + error.message()};
+    return Error{ErrorCode::kIo,
+                 fmt::format("asking for the free space of {}: {}", path, error.message())};
   const Result<Inodes> inodes = disk_inodes(path);
   if (!inodes.ok()) return inodes.error();
   const bool has_many = inodes->free > space.available / kBytesPerInode;
@@ -37,7 +39,7 @@ Result<std::uint64_t> disk_capacity_bytes(const std::string& path) {
   const std::filesystem::space_info space = std::filesystem::space(path, error);
   if (error)
     return Error{ErrorCode::kIo,
-                 "asking for the size of the disk of " + path + ": " + error.message()};
+                 fmt::format("asking for the size of the disk of {}: {}", path, error.message())};
   // Blocks reserved for root are not available.
   return static_cast<std::uint64_t>(space.capacity - (space.free - space.available));
 }

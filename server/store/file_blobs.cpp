@@ -1,6 +1,7 @@
 #include "server/store/file_blobs.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -137,7 +138,7 @@ Result<std::vector<BlobInfo>> FileBlobs::list(const std::string& scan_id) {
     const std::uintmax_t size_bytes = entry->file_size(gone);
     if (!gone) found.push_back({name, size_bytes});
   }
-  if (error) return Error{ErrorCode::kIo, "reading " + folder + ": " + error.message()};
+  if (error) return Error{ErrorCode::kIo, fmt::format("reading {}: {}", folder, error.message())};
   std::sort(found.begin(), found.end(),
             [](const BlobInfo& a, const BlobInfo& b) { return a.name < b.name; });
   return found;

@@ -1,6 +1,7 @@
 #include "server/store/first_token.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -47,7 +48,7 @@ std::string read_or_create_first_token(const std::string& path) {
     throw SetupError({ErrorCode::kCorruptData,
                       path + " holds no token of 64 hex digits; remove it and a new one is made"});
   if (fchmod(file.descriptor, 0600) != 0)
-    throw SetupError(errno_error("making " + path + " private"));
+    throw SetupError(errno_error(fmt::format("making {} private", path)));
   return token;
 }
 

@@ -1,6 +1,7 @@
 #include "server/store/folder_lock.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -21,8 +22,9 @@ int locked(int descriptor, const std::string& path) {
   const SetupError failure(errno_error("locking " + path));
   close(descriptor);
   if (taken)
-    throw SetupError({ErrorCode::kBusy,
-                      "another server holds " + path + "; give each server its own --data folder"});
+    throw SetupError(
+        {ErrorCode::kBusy,
+         fmt::format("another server holds {}; give each server its own --data folder", path)});
   throw failure;
 }
 
@@ -58,7 +60,7 @@ Result<PublishedServer> published_server(const std::string& folder) {
   PublishedServer server{read_line(lock, kMaxUrlBytes), first_token_in(token)};
   if (server.url.empty() || server.token.empty())
     return Error{ErrorCode::kNotFound,
-                 "the program that uses " + folder + " has not said where it listens"};
+                 fmt::format("the program that uses {} has not said where it listens", folder)};
   return server;
 }
 

@@ -1,5 +1,7 @@
 #include "server/store/measurement_table.h"
 
+#include <fmt/core.h>
+
 #include <optional>
 
 #include "server/store/table_tools.h"
@@ -80,7 +82,7 @@ void read_points(Database& database, MeasurementRow& row) {
 Status MeasurementTable::add(const MeasurementRow& row) {
   if (!row.normals.empty() && row.normals.size() != row.points.size())
     return Error{ErrorCode::kInvalidArgument,
-                 "measurement " + row.id + ": it has not as many normals as points"};
+                 fmt::format("measurement {}: it has not as many normals as points", row.id)};
   return change(database_, "measurement " + row.id, [&]() -> Status {
     Status status =
         check_room_in_scan(database_, row.scan_id, "measurements", kMaxMeasurementsPerScan);
@@ -109,7 +111,7 @@ Status MeasurementTable::remove(const std::string& scan_id, const std::string& i
     if (database_.run("DELETE FROM measurements WHERE scan_id = $1 AND id = $2", {scan_id, id})
             .changed_count > 0)
       return Done{};
-    return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no measurement " + id};
+    return Error{ErrorCode::kNotFound, fmt::format("scan {} has no measurement {}", scan_id, id)};
   });
 }
 

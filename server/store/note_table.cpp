@@ -1,5 +1,7 @@
 #include "server/store/note_table.h"
 
+#include <fmt/core.h>
+
 #include "server/store/table_tools.h"
 
 namespace hermite::server {
@@ -58,7 +60,7 @@ Result<NoteRow> find_note(Database& database, const std::string& scan_id, const 
       std::string("SELECT ") + kNoteColumns + " FROM notes WHERE scan_id = $1 AND id = $2",
       {scan_id, id});
   if (result.rows.empty())
-    return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no note " + id};
+    return Error{ErrorCode::kNotFound, fmt::format("scan {} has no note {}", scan_id, id)};
   return note_row_of(result.rows.front());
 }
 

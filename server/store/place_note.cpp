@@ -1,5 +1,6 @@
 #include "server/store/place_note.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -25,20 +26,20 @@ Result<std::optional<PlaceNote>> read_place_note(const std::string& path) {
 }
 
 Status write_place_note(const std::string& path, const PlaceNote& note) {
-  return output::write_file_atomically(path, note.address + "\n" + note.id + "\n");
+  return output::write_file_atomically(path, fmt::format("{}\n{}\n", note.address, note.id));
 }
 
 Status rename_in_folder(const std::string& folder, const std::string& from, const std::string& to) {
   const std::string path = folder + "/" + from;
   if (std::rename(path.c_str(), (folder + "/" + to).c_str()) != 0 && errno != ENOENT)
-    return Error{ErrorCode::kIo, "renaming " + path + ": " + std::strerror(errno)};
+    return Error{ErrorCode::kIo, fmt::format("renaming {}: {}", path, std::strerror(errno))};
   return sync_path(folder);
 }
 
 Status remove_in_folder(const std::string& folder, const std::string& name) {
   const std::string path = folder + "/" + name;
   if (unlink(path.c_str()) != 0 && errno != ENOENT)
-    return Error{ErrorCode::kIo, "removing " + path + ": " + std::strerror(errno)};
+    return Error{ErrorCode::kIo, fmt::format("removing {}: {}", path, std::strerror(errno))};
   return sync_path(folder);
 }
 

@@ -1,5 +1,7 @@
 #include "server/store/rows_place.h"
 
+#include <fmt/core.h>
+
 #include <chrono>
 #include <filesystem>
 #include <system_error>
@@ -123,11 +125,10 @@ std::unique_ptr<Database> open_rows(const std::string& data_folder, const std::s
   const std::optional<PlaceNote> note = note_of(data_folder, kRowsAt);
   if (!note && address.empty()) return std::make_unique<SqliteDatabase>(file);
   if (!note && has_file(data_folder, kRowsFile))
-    throw SetupError(
-        {ErrorCode::kInvalidArgument,
-         "the rows of " + data_folder +
-             " are in its file hermite.db: move them first, with `hermite migrate --from " +
-             data_folder + " --to " + address + "`"});
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      fmt::format("the rows of {} are in its file hermite.db: move them first, "
+                                  "with `hermite migrate --from {} --to {}`",
+                                  data_folder, data_folder, address)});
   const std::string& place = address.empty() ? note->address : address;
   auto database = std::make_unique<PostgresDatabase>(place);
   if (!note) {
@@ -143,9 +144,9 @@ std::unique_ptr<Database> open_rows(const std::string& data_folder, const std::s
 Result<CopySummary> move_rows_to_postgres(const std::string& data_folder,
                                           const std::string& address) {
   if (note_of(data_folder, kRowsAt))
-    return Error{
-        ErrorCode::kInvalidArgument,
-        "the rows of " + data_folder + " are in PostgreSQL already, as its file rows-at says"};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("the rows of {} are in PostgreSQL already, as its file rows-at says",
+                             data_folder)};
   if (!has_file(data_folder, kRowsFile))
     return Error{ErrorCode::kNotFound, data_folder + " is no folder of data: it has no hermite.db"};
   const std::optional<PlaceNote> begun = note_of(data_folder, kRowsMoving);
@@ -170,8 +171,9 @@ Result<CopySummary> move_rows_to_folder(const std::string& data_folder,
   const std::optional<PlaceNote> at = note_of(data_folder, kRowsAt),
                                  moving = note_of(data_folder, kRowsMoving);
   if (!at && !moving)
-    return Error{ErrorCode::kInvalidArgument,
-                 "the rows of " + data_folder + " are not in PostgreSQL: it has no file rows-at"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("the rows of {} are not in PostgreSQL: it has no file rows-at", data_folder)};
   PostgresDatabase database(address, kPatience);
   CopySummary summary;
   if (at) {
@@ -196,7 +198,7 @@ Status copy_rows_to_file(const std::string& data_folder, const std::string& path
   const std::optional<PlaceNote> note = note_of(data_folder, kRowsAt);
   if (!note)
     return Error{ErrorCode::kInvalidArgument,
-                 "the rows of " + data_folder + " are not in PostgreSQL"};
+                 fmt::format("the rows of {} are not in PostgreSQL", data_folder)};
   try {
     PostgresConnection connection(note->address, {});
     connection.run_script("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY");

@@ -1,5 +1,7 @@
 #include "server/store/set_aside_files.h"
 
+#include <fmt/core.h>
+
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
@@ -57,7 +59,8 @@ Status SetAsideFiles::remove_waste(const std::string& name) const {
   std::error_code error;
   fs::remove_all(path_ + "/waste/" + name, error);
   if (error)
-    return Error{ErrorCode::kIo, "removing " + path_ + "/waste/" + name + ": " + error.message()};
+    return Error{ErrorCode::kIo,
+                 fmt::format("removing {}/waste/{}: {}", path_, name, error.message())};
   return Done{};
 }
 
@@ -69,7 +72,8 @@ Status SetAsideFiles::lose(const std::string& place, std::int64_t now_ms) const 
     return Error{ErrorCode::kIo, lost + " is there already"};
   fs::rename(path_ + "/" + place, lost, error);
   if (!error) fs::last_write_time(lost, file_time(now_ms), error);
-  if (error) return Error{ErrorCode::kIo, "moving " + place + " to lost/: " + error.message()};
+  if (error)
+    return Error{ErrorCode::kIo, fmt::format("moving {} to lost/: {}", place, error.message())};
   return Done{};
 }
 

@@ -1,5 +1,7 @@
 #include "server/store/table_tools.h"
 
+#include <fmt/core.h>
+
 namespace hermite::server {
 
 Status changed_or(const SqlResult& result, const Error& otherwise) {
@@ -27,7 +29,7 @@ Status check_room_in_scan(Database& database, const std::string& scan_id, const 
       {scan_id});
   if (result.rows.empty()) return Error{ErrorCode::kNotFound, "there is no scan " + scan_id};
   if (RowReader(result.rows.front()).integer() < limit) return Done{};
-  return Error{ErrorCode::kBusy, "a scan may have at most " + std::to_string(limit) + " " + table};
+  return Error{ErrorCode::kBusy, fmt::format("a scan may have at most {} {}", limit, table)};
 }
 
 }  // namespace hermite::server
