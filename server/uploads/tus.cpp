@@ -1,5 +1,7 @@
 #include "server/uploads/tus.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -45,7 +47,7 @@ Result<std::optional<std::int64_t>> number_in(const HttpHeaders& headers, std::s
   const char* const end = (*text)->data() + (*text)->size();
   const auto [stop, error] = std::from_chars((*text)->data(), end, number);
   if (error != std::errc() || stop != end || (*text)->front() == '-' || number > kMaxNumber)
-    return invalid(name, "is no whole number from 0 to " + std::to_string(kMaxNumber));
+    return invalid(name, fmt::format("is no whole number from 0 to {}", kMaxNumber));
   return std::optional<std::int64_t>(number);
 }
 
@@ -63,7 +65,7 @@ Result<std::optional<Checksum>> checksum_in(const HttpHeaders& headers) {
         decode_base64(std::string_view(**text).substr(space + 1));
     const std::size_t size = known == ChecksumAlgorithm::kSha1 ? 20 : 32;
     if (!digest || digest->size() != size)
-      return invalid(kName, "has no base64 of " + std::to_string(size) + " bytes");
+      return invalid(kName, fmt::format("has no base64 of {} bytes", size));
     return std::optional<Checksum>({known, *digest});
   }
   return Error{ErrorCode::kUnsupported,
@@ -117,8 +119,8 @@ Result<std::map<std::string, std::string>> parse_upload_metadata(std::string_vie
   constexpr std::string_view kName = "Upload-Metadata";
   std::map<std::string, std::string> values;
   if (header.size() > kMaxMetadataBytes)
-    return invalid(kName, "has " + std::to_string(header.size()) + " bytes, allowed are " +
-                              std::to_string(kMaxMetadataBytes));
+    return invalid(kName,
+                   fmt::format("has {} bytes, allowed are {}", header.size(), kMaxMetadataBytes));
   while (!header.empty()) {
     const std::size_t comma = std::min(header.find(','), header.size());
     std::string_view pair = header.substr(0, comma);
@@ -132,10 +134,11 @@ Result<std::map<std::string, std::string>> parse_upload_metadata(std::string_vie
     if (key.empty()) return invalid(kName, "has an empty key");
     const std::optional<std::string> value =
         decode_base64(pair.substr(std::min(space + 1, pair.size())));
-    if (!value) return invalid(kName, "has a value of " + key + " that is no base64");
-    if (!values.emplace(key, *value).second) return invalid(kName, "has the key " + key + " twice");
+    if (!value) return invalid(kName, fmt::format("has a value of {} that is no base64", key));
+    if (!values.emplace(key, *value).second)
+      return invalid(kName, fmt::format("has the key {} twice", key));
     if (values.size() > kMaxMetadataKeys)
-      return invalid(kName, "has more than " + std::to_string(kMaxMetadataKeys) + " keys");
+      return invalid(kName, fmt::format("has more than {} keys", kMaxMetadataKeys));
   }
   return values;
 }
@@ -164,8 +167,8 @@ std::string http_date(std::int64_t unix_ms) {
   char day[8], rest[32];
   std::strftime(day, sizeof day, "%d", &utc);
   std::strftime(rest, sizeof rest, "%Y %H:%M:%S GMT", &utc);
-  return std::string(kDays[static_cast<std::size_t>(utc.tm_wday)]) + ", " + day + " " +
-         kMonths[static_cast<std::size_t>(utc.tm_mon)] + " " + rest;
+  return fmt::format("{}, {} {} {}", kDays[static_cast<std::size_t>(utc.tm_wday)], day,
+                     kMonths[static_cast<std::size_t>(utc.tm_mon)], rest);
 }
 
 }  // namespace hermite::server

@@ -1,5 +1,7 @@
 #include "server/uploads/upload_writer.h"
 
+#include <fmt/core.h>
+
 #include <string>
 #include <utility>
 
@@ -48,9 +50,9 @@ UploadWriter::~UploadWriter() = default;
 Status UploadWriter::write(std::string_view bytes) {
   if (file_.size_bytes() + static_cast<std::int64_t>(bytes.size()) >
       piece_.offset_bytes + piece_.length_bytes)
-    return Error{ErrorCode::kTooLarge, "more has come than the " +
-                                           std::to_string(piece_.length_bytes) +
-                                           " bytes that were announced"};
+    return Error{
+        ErrorCode::kTooLarge,
+        fmt::format("more has come than the {} bytes that were announced", piece_.length_bytes)};
   for (EVP_MD_CTX* const digest : {digest_.get(), content_.context.get()})
     if (digest)
       CHECK(EVP_DigestUpdate(digest, bytes.data(), bytes.size()) == 1, "a digest takes any bytes");
@@ -63,7 +65,7 @@ Status UploadWriter::write(std::string_view bytes) {
   // Others fill the same disk meanwhile.
   if (const Result<std::uint64_t> free = free_bytes_(); free.ok() && *free < min_free_bytes_)
     return Error{ErrorCode::kBusy,
-                 "the disk is nearly full: " + std::to_string(*free / 1'000'000) + " MB are free"};
+                 fmt::format("the disk is nearly full: {} MB are free", *free / 1'000'000)};
   return file_.sync();
 }
 

@@ -1,5 +1,6 @@
 #include "server/uploads/uploads.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxWholeOnes = 1000;  // limit on remembered complete uploads
 
-std::string megabytes(std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
+std::string megabytes(std::int64_t bytes) { return fmt::format("{} MB", bytes / 1'000'000); }
 
 Error no_upload() { return {ErrorCode::kNotFound, "there is no such upload; it may have expired"}; }
 
@@ -70,8 +71,8 @@ Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id
   const Result<std::uint64_t> free = free_bytes(data_.path());
   if (!free.ok()) return free.error();
   if (*free < limits_.min_free_disk_bytes + static_cast<std::uint64_t>(more_bytes))
-    return Error{ErrorCode::kBusy, "the server's disk has not enough room: " +
-                                       megabytes(static_cast<std::int64_t>(*free)) + " are free"};
+    return Error{ErrorCode::kBusy, fmt::format("the server's disk has not enough room: {} are free",
+                                               megabytes(static_cast<std::int64_t>(*free)))};
   const Result<std::vector<UploadRow>> rows = store_.uploads.list();
   if (!rows.ok()) return rows.error();
   if (Status status = check_storage(more_bytes, except_id, *rows, grant); !status.ok())
@@ -83,9 +84,9 @@ Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id
       held_bytes += claimed_bytes(row, size_of(row.id));
   if (held_bytes + more_bytes <= limits_.token_bytes) return Done{};
   return Error{ErrorCode::kBusy,
-               "the uploads of this token take " + megabytes(held_bytes) + " of the " +
-                   megabytes(limits_.token_bytes) +
-                   " that they may take: wait until their jobs have ended, or delete some"};
+               fmt::format("the uploads of this token take {} of the {} that they may take: wait "
+                           "until their jobs have ended, or delete some",
+                           megabytes(held_bytes), megabytes(limits_.token_bytes))};
 }
 
 // Counts existing files, and what other uploads were promised and have not sent yet.
@@ -111,9 +112,8 @@ Result<UploadState> Uploads::create(std::int64_t length_bytes, const std::string
       {new_scan_id(), grant.token_id, -1, metadata, -1, now_ms, now_ms + limits_.keep_ms}, 0};
   if (length_bytes >= 0) {
     if (length_bytes > limits_.upload_bytes)
-      return Error{ErrorCode::kTooLarge, "Upload-Length is " + std::to_string(length_bytes) +
-                                             ", allowed are " +
-                                             std::to_string(limits_.upload_bytes) + " bytes"};
+      return Error{ErrorCode::kTooLarge, fmt::format("Upload-Length is {}, allowed are {} bytes",
+                                                     length_bytes, limits_.upload_bytes)};
     if (length_bytes == 0)
       return Error{ErrorCode::kInvalidArgument, "Upload-Length is 0: nothing can be made of it"};
     if (Status status = check_room(length_bytes, "", grant); !status.ok()) return status.error();
@@ -155,13 +155,12 @@ bool Uploads::is_free(const std::string& id, bool at_once) {
 
 Status Uploads::set_length(UploadState& state, std::int64_t length_bytes, const Grant& grant) {
   if (length_bytes < state.offset_bytes || length_bytes == 0)
-    return Error{ErrorCode::kInvalidArgument, "Upload-Length is " + std::to_string(length_bytes) +
-                                                  ", and " + std::to_string(state.offset_bytes) +
-                                                  " bytes are here already"};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("Upload-Length is {}, and {} bytes are here already", length_bytes,
+                             state.offset_bytes)};
   if (length_bytes > limits_.upload_bytes)
-    return Error{ErrorCode::kTooLarge, "Upload-Length is " + std::to_string(length_bytes) +
-                                           ", allowed are " + std::to_string(limits_.upload_bytes) +
-                                           " bytes"};
+    return Error{ErrorCode::kTooLarge, fmt::format("Upload-Length is {}, allowed are {} bytes",
+                                                   length_bytes, limits_.upload_bytes)};
   if (Status status = check_room(length_bytes, state.row.id, grant); !status.ok()) return status;
   state.row.length_bytes = length_bytes;
   return store_.uploads.update(state.row);
@@ -172,15 +171,15 @@ Result<std::shared_ptr<UploadWriter>> Uploads::write(const UploadState& state,
   CHECK(is_free(state.row.id), "an upload has one writer");
   if (piece.offset_bytes != state.offset_bytes)
     return Error{ErrorCode::kInvalidArgument,
-                 "Upload-Offset is " + std::to_string(piece.offset_bytes) + ", and " +
-                     std::to_string(state.offset_bytes) + " bytes are here"};
+                 fmt::format("Upload-Offset is {}, and {} bytes are here", piece.offset_bytes,
+                             state.offset_bytes)};
   const std::int64_t end = piece.offset_bytes + piece.length_bytes;
   const bool known = state.row.length_bytes >= 0;
   if (end > (known ? state.row.length_bytes : limits_.upload_bytes))
     return Error{ErrorCode::kTooLarge,
-                 "the piece ends at byte " + std::to_string(end) + ", the upload " +
-                     (known ? "has " + std::to_string(state.row.length_bytes)
-                            : "may have " + std::to_string(limits_.upload_bytes))};
+                 fmt::format("the piece ends at byte {}, the upload {}", end,
+                             known ? fmt::format("has {}", state.row.length_bytes)
+                                   : fmt::format("may have {}", limits_.upload_bytes))};
   if (!known)
     if (Status status = check_room(end, state.row.id, grant); !status.ok()) return status.error();
   Result<UploadFile> file = UploadFile::open(data_.upload_path(state.row.id));
@@ -238,7 +237,8 @@ std::string Uploads::twin_of(const UploadRow& row, UploadDigest digest, bool is_
   CHECK(EVP_DigestFinal_ex(digest.context.get(), bytes, &size) == 1, "a digest has an end");
   const std::string content_sha256(reinterpret_cast<const char*>(bytes), size);
   if (whole_ones_.size() >= kMaxWholeOnes) whole_ones_.clear();
-  std::string& first = whole_ones_[row.token_id + '\n' + row.metadata + '\n' + content_sha256];
+  std::string& first =
+      whole_ones_[fmt::format("{}\n{}\n{}", row.token_id, row.metadata, content_sha256)];
   const Result<JobRow> job =
       first.empty() ? Error{ErrorCode::kNotFound, ""} : store_.jobs.find(first);
   const bool is_one =
