@@ -1,4 +1,6 @@
 // What the subcommands of hermite-client share.
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <csignal>
@@ -69,7 +71,8 @@ Result<std::map<std::string, std::string>> parse_settings(const std::vector<std:
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
-      return Error{ErrorCode::kInvalidArgument, "--set \"" + text + "\": expected key=value"};
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("--set \"{}\": expected key=value", text)};
     settings[text.substr(0, equals)] = text.substr(equals + 1);
   }
   return settings;

@@ -1,4 +1,5 @@
 // hermite-client load
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -55,13 +56,11 @@ Result<client::LoadPlan> make_load_plan(const LoadArguments& arguments,
 
 std::string progress_text(const client::LoadProgress& progress) {
   if (progress.to_prepare > 0)
-    return "preparing frame " + std::to_string(progress.prepared) + " of " +
-           std::to_string(progress.to_prepare);
-  std::string text = client::format_duration(progress.elapsed_s) + ": " +
-                     std::to_string(progress.scanning) + " cameras scan, " +
-                     std::to_string(progress.waiting) + " wait, " +
-                     std::to_string(progress.watching) + " viewers watch, " +
-                     std::to_string(progress.answered) + " frames answered";
+    return fmt::format("preparing frame {} of {}", progress.prepared, progress.to_prepare);
+  std::string text =
+      fmt::format("{}: {} cameras scan, {} wait, {} viewers watch, {} frames answered",
+                  client::format_duration(progress.elapsed_s), progress.scanning, progress.waiting,
+                  progress.watching, progress.answered);
   return progress.finishing ? text + "; the last scans are being finished" : text;
 }
 

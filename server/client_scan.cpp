@@ -1,4 +1,5 @@
 // hermite-client scan
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -109,7 +110,7 @@ int run(const ScanArguments& arguments) {
   const auto request = make_request(arguments, description);
   if (!request.ok()) return fail(kUsage, request.error().message);
   Person person;
-  person.line(description.name + ", intrinsics: " + description.camera_source);
+  person.line(fmt::format("{}, intrinsics: {}", description.name, description.camera_source));
   const auto outcome = client::run_scan(**camera, *request, person.observer());
   if (!outcome.ok()) {
     person.line("hermite-client: " + outcome.error().message);

@@ -1,4 +1,5 @@
 // hermite-client stream
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -43,9 +44,9 @@ Result<client::Pacing> parse_pacing(const StreamArguments& arguments, double rec
   const char* const end = arguments.rate.data() + arguments.rate.size();
   const auto parsed = std::from_chars(arguments.rate.data(), end, rate_hz);
   if (parsed.ec != std::errc() || parsed.ptr != end || !(rate_hz > 0 && rate_hz <= kMaxRate_hz)) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        "--rate \"" + arguments.rate + "\": expected max or a number above 0, at most 1000"};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--rate \"{}\": expected max or a number above 0, at most 1000",
+                             arguments.rate)};
   }
   pacing.rate_hz = rate_hz;
   return pacing;

@@ -1,4 +1,6 @@
 // hermite compare
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
@@ -98,7 +100,8 @@ int run_compare(const CompareArguments& arguments) {
   std::error_code failure;
   std::filesystem::create_directories(arguments.out, failure);
   if (failure)
-    throw SetupError({ErrorCode::kIo, "cannot create " + arguments.out + ": " + failure.message()});
+    throw SetupError(
+        {ErrorCode::kIo, fmt::format("cannot create {}: {}", arguments.out, failure.message())});
   const compare::Comparison comparison = or_throw(compare::compare_scans(first, second, options));
   const std::string report = compare::format_comparison_json(comparison, options);
   const bool is_same_place =

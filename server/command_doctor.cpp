@@ -1,4 +1,5 @@
 // hermite doctor
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -38,15 +39,15 @@ pipeline::DeviceReport examine_disk(const std::string& data_folder) {
   pipeline::DeviceReport report;
   const std::string folder = existing_folder(data_folder).string();
   if (access(folder.c_str(), W_OK | X_OK) != 0)
-    report.problems.push_back("the data folder " + data_folder + " cannot be written: " + folder +
-                              ": " + std::strerror(errno));
+    report.problems.push_back(fmt::format("the data folder {} cannot be written: {}: {}",
+                                          data_folder, folder, std::strerror(errno)));
   const Result<std::uint64_t> free = server::free_bytes(folder);
   if (!free.ok()) {
     report.problems.push_back(free.error().message);
     return report;
   }
   const std::string text =
-      std::to_string(*free >> 20) + " MiB free for the data folder " + data_folder;
+      fmt::format("{} MiB free for the data folder {}", *free >> 20, data_folder);
   (*free < kEnoughDisk_bytes ? report.problems : report.facts)
       .push_back(text + (*free < kEnoughDisk_bytes ? ": less than 5 GiB" : ""));
   return report;

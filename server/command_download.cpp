@@ -1,4 +1,5 @@
 // hermite-client download
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -42,7 +43,7 @@ int list_formats(const client::DownloadTarget& target) {
   if (!reports.ok()) return fail(status_of_answer(reports.error()), reports.error().message);
   for (const client::ExportReport& report : *reports)
     std::cout << report.format << "  " << report.label << "  " << report.state
-              << (report.size_bytes > 0 ? " " + std::to_string(report.size_bytes) + " bytes" : "")
+              << (report.size_bytes > 0 ? fmt::format(" {} bytes", report.size_bytes) : "")
               << (report.message.empty() ? "" : ": " + report.message) << '\n';
   return 0;
 }
@@ -73,12 +74,11 @@ int run_download(const DownloadArguments& arguments) {
   };
   client::DownloadObserver observer;
   observer.on_state = [&show](const client::ExportReport& report) {
-    show(report.state + " " + std::to_string(static_cast<int>(100 * report.done)) + " % " +
-         report.message);
+    show(fmt::format("{} {} % {}", report.state, static_cast<int>(100 * report.done),
+                     report.message));
   };
   observer.on_progress = [&show](std::uint64_t come_bytes, std::uint64_t total_bytes) {
-    show(std::to_string(come_bytes / 1'000'000) + " of " + std::to_string(total_bytes / 1'000'000) +
-         " MB");
+    show(fmt::format("{} of {} MB", come_bytes / 1'000'000, total_bytes / 1'000'000));
   };
   observer.interrupted = [&interrupts] { return interrupts.count() > 0; };
   const Status done = client::download(

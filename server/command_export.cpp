@@ -1,4 +1,6 @@
 // hermite export
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
@@ -46,16 +48,18 @@ std::vector<edit::ScanEdit> edits_to_apply(const ExportArguments& arguments) {
 }
 
 SetupError nothing_is_left(const ExportArguments& arguments) {
-  return SetupError({ErrorCode::kInvalidArgument,
-                     arguments.edits + ": these edits leave nothing of " + arguments.result});
+  return SetupError({ErrorCode::kInvalidArgument, fmt::format("{}: these edits leave nothing of {}",
+                                                              arguments.edits, arguments.result)});
 }
 
 output::TriangleMesh mesh_to_export(const ExportArguments& arguments) {
   const std::string path = path_in_result(arguments, "mesh.ply");
   if (!dataset::is_file(path))
-    throw SetupError({ErrorCode::kNotFound, arguments.result + " has no mesh.ply, of which " +
-                                                arguments.format + " is made: `hermite mesh " +
-                                                arguments.result + "` makes one of its cloud"});
+    throw SetupError(
+        {ErrorCode::kNotFound,
+         fmt::format(
+             "{} has no mesh.ply, of which {} is made: `hermite mesh {}` makes one of its cloud",
+             arguments.result, arguments.format, arguments.result)});
   Result<output::TriangleMesh> mesh = output::mesh_of(read_ply_file(path));
   if (!mesh.ok()) throw SetupError(in_context(path, mesh.error()));
   const bool was_empty = mesh->triangles.empty();
@@ -93,10 +97,10 @@ plan::FloorPlan plan_to_export(const ExportArguments& arguments) {
 
 dataset::Trajectory trajectory_to_export(const ExportArguments& arguments) {
   if (!dataset::is_folder(arguments.result))
-    throw SetupError({ErrorCode::kInvalidArgument,
-                      arguments.format +
-                          " is made of trajectory.txt: give the folder of a result, not " +
-                          arguments.result});
+    throw SetupError(
+        {ErrorCode::kInvalidArgument,
+         fmt::format("{} is made of trajectory.txt: give the folder of a result, not {}",
+                     arguments.format, arguments.result)});
   return or_throw(dataset::read_tum_trajectory(arguments.result + "/trajectory.txt"));
 }
 

@@ -1,5 +1,7 @@
 #include "server/command_line.h"
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
@@ -33,10 +35,11 @@ std::string unknown_command(const CLI::App& app, const std::vector<Command>& com
   for (const Command& command : commands) names.push_back(command.app->get_name());
   if (std::find(names.begin(), names.end(), word) != names.end()) return {};
   const std::string meant = nearest_name(word, names);
-  std::string message = "there is no command \"" + word + "\"" +
-                        (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") + "\nCommands:";
+  std::string message =
+      fmt::format("there is no command \"{}\"{}\nCommands:", word,
+                  meant.empty() ? "" : fmt::format("; did you mean \"{}\"?", meant));
   for (const std::string& name : names) message += " " + name;
-  return message + "\n" + app.get_name() + " --help has more";
+  return fmt::format("{}\n{} --help has more", message, app.get_name());
 }
 
 }  // namespace

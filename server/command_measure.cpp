@@ -1,4 +1,6 @@
 // hermite measure
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <iostream>
@@ -28,8 +30,8 @@ Eigen::Vector3d triple_of(const std::string& text, const std::string& option) {
     const std::optional<double> number =
         fields.size() == 3 ? dataset::parse_finite(fields[axis]) : std::nullopt;
     if (!number)
-      throw SetupError(
-          {ErrorCode::kInvalidArgument, option + " " + text + ": not three numbers, x,y,z"});
+      throw SetupError({ErrorCode::kInvalidArgument,
+                        fmt::format("{} {}: not three numbers, x,y,z", option, text)});
     triple[static_cast<Eigen::Index>(axis)] = *number;
   }
   return triple;
@@ -38,8 +40,9 @@ Eigen::Vector3d triple_of(const std::string& text, const std::string& option) {
 measure::MeasureRequest request_of(const MeasureArguments& arguments) {
   const std::optional<measure::MeasureKind> kind = measure::measure_kind_of(arguments.kind);
   if (!kind)
-    throw SetupError({ErrorCode::kInvalidArgument, "--kind " + arguments.kind + ": it is one of " +
-                                                       measure::measure_kind_names()});
+    throw SetupError(
+        {ErrorCode::kInvalidArgument,
+         fmt::format("--kind {}: it is one of {}", arguments.kind, measure::measure_kind_names())});
   measure::MeasureRequest request{*kind, {}, std::nullopt};
   for (const std::string& point : arguments.points)
     request.points.push_back(triple_of(point, "--point"));

@@ -1,4 +1,6 @@
 // hermite mesh
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
@@ -21,8 +23,9 @@ struct MeshArguments {
 std::string mesh_path(const MeshArguments& arguments) {
   if (!arguments.out.empty()) return arguments.out;
   if (!std::filesystem::is_directory(arguments.source))
-    throw SetupError({ErrorCode::kInvalidArgument, "--out is missing: " + arguments.source +
-                                                       " is no folder that mesh.ply would go to"});
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      fmt::format("--out is missing: {} is no folder that mesh.ply would go to",
+                                  arguments.source)});
   return arguments.source + "/mesh.ply";
 }
 

@@ -1,4 +1,6 @@
 // hermite reconstruct
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
@@ -91,7 +93,8 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   std::error_code error;
   std::filesystem::create_directories(arguments.out_folder, error);
   if (error)
-    throw SetupError({ErrorCode::kIo, "creating " + arguments.out_folder + ": " + error.message()});
+    throw SetupError(
+        {ErrorCode::kIo, fmt::format("creating {}: {}", arguments.out_folder, error.message())});
   nlohmann::ordered_json calibrations;
   OfflineRun run =
       arguments.calibrate

@@ -1,4 +1,5 @@
 // hermite-client list, show, rename, tag, stop, delete and share
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -35,7 +36,7 @@ std::string printable(std::string text) {
 
 // Turns "2024-05-01T12:00:00.123Z" into "2024-05-01 12:00 UTC".
 std::string minute_of(const std::string& utc) {
-  return utc.size() < 16 ? "-" : utc.substr(0, 10) + " " + utc.substr(11, 5) + " UTC";
+  return utc.size() < 16 ? "-" : fmt::format("{} {} UTC", utc.substr(0, 10), utc.substr(11, 5));
 }
 
 bool contains(const std::string& text, const std::string& part) {
@@ -58,7 +59,7 @@ bool is_asked_for(const client::ScanSummary& scan, const ScansArguments& argumen
 std::string tags_text(const std::vector<std::string>& tags) {
   std::string list;
   for (const std::string& tag : tags) list += (list.empty() ? "" : ", ") + printable(tag);
-  return list.empty() ? "" : "  [" + list + "]";
+  return list.empty() ? "" : fmt::format("  [{}]", list);
 }
 
 int run_list(const client::ApiTarget& target, const ScansArguments& arguments) {
@@ -129,7 +130,7 @@ int run_delete(const client::ApiTarget& target, const ScansArguments& arguments)
       return fail(kUsage, "nothing was deleted");
   }
   return print_done(client::delete_scan(target, arguments.scan),
-                    "deleted \"" + printable(scan->title) + "\"");
+                    fmt::format("deleted \"{}\"", printable(scan->title)));
 }
 
 int print_shares(const Result<std::vector<client::ShareSummary>>& shares, bool json) {

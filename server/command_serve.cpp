@@ -1,4 +1,5 @@
 // hermite serve
+#include <fmt/core.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
@@ -97,9 +98,9 @@ int run_serve(const ServeArguments& arguments) {
 }
 
 void add_flag(CLI::App& serve, const server::ServiceSetting& setting, ServeArguments& arguments) {
-  std::string description = setting.description + " (" +
-                            (setting.limits.empty() ? "" : setting.limits + "; ") + "default " +
-                            setting.value + ")";
+  std::string description =
+      fmt::format("{} ({}default {})", setting.description,
+                  setting.limits.empty() ? "" : setting.limits + "; ", setting.value);
   const std::string name = "--" + setting.key;
   CLI::Option* option = nullptr;
   if (setting.kind == server::SettingKind::kFlag)

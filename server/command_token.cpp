@@ -1,6 +1,8 @@
 // hermite token, hermite share: manage who may use a server. For a data folder that no server uses,
 // they change its database; if a server is running, they send it requests, because only one program
 // may have the database open.
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
@@ -47,7 +49,7 @@ class Office {
     std::error_code error;
     if (!std::filesystem::is_directory(data_folder, error))
       throw SetupError({ErrorCode::kInvalidArgument,
-                        "there is no data folder " + data_folder + " (see --data)"});
+                        fmt::format("there is no data folder {} (see --data)", data_folder)});
     try {
       data_.emplace(data_folder);
       store_.emplace(server::open_rows(data_folder, ""));
@@ -69,7 +71,7 @@ class Office {
                    : server::list_tokens(*store_, server::unix_now_ms());
   }
   Result<std::string> create_share(const std::string& scan_id, const std::string& request) {
-    return server_ ? ask("POST", "/api/v1/scans/" + scan_id + "/shares", request)
+    return server_ ? ask("POST", fmt::format("/api/v1/scans/{}/shares", scan_id), request)
                    : noted("POST shares", scan_id,
                            server::create_share(*store_, scan_id, request, server::unix_now_ms()));
   }
@@ -78,7 +80,7 @@ class Office {
                    : server::list_shares(*store_, "", server::unix_now_ms());
   }
   Result<std::string> revoke(const std::string& kind, const std::string& id) {
-    if (server_) return ask("DELETE", "/api/v1/" + kind + "s/" + id, "");
+    if (server_) return ask("DELETE", fmt::format("/api/v1/{}s/{}", kind, id), "");
     return noted("DELETE " + kind, id,
                  server::revoke_row(*store_, id, kind == "share", server::unix_now_ms()));
   }
@@ -113,9 +115,9 @@ class Office {
     if (answer.ok() || answer.error().code != ErrorCode::kUnauthorized) return answer;
     return Error{
         ErrorCode::kUnauthorized,
-        "the running server was asked with its first token and said: " + answer.error().message +
-            "; stop the server to manage tokens here, or use its HTTP API with a token of scope "
-            "admin"};
+        fmt::format("the running server was asked with its first token and said: {}; stop the "
+                    "server to manage tokens here, or use its HTTP API with a token of scope admin",
+                    answer.error().message)};
   }
 
   std::optional<server::DataDirectory> data_;

@@ -1,4 +1,5 @@
 // hermite-client upload, import and jobs
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -82,7 +83,7 @@ std::string upload_text(const std::string& name, std::int64_t sent_bytes, std::i
 std::string job_text(const client::JobReport& job) {
   std::string text = job.title + ": " + job.state;
   if (!job.stage.empty()) text += ", " + job.stage;
-  if (job.total > 0) text += " " + std::to_string(job.done) + "/" + std::to_string(job.total);
+  if (job.total > 0) text += fmt::format(" {}/{}", job.done, job.total);
   if (!job.message.empty()) text += ": " + job.message;
   return text;
 }
@@ -101,7 +102,7 @@ class Uploading {
     for (const std::string& path : arguments_.paths) {
       outcomes.push_back(send(path));
       if (!outcomes.back().message.empty())
-        screen_.line("hermite-client: " + path + ": " + outcomes.back().message);
+        screen_.line(fmt::format("hermite-client: {}: {}", path, outcomes.back().message));
       if (!arguments_.wait) tell(outcomes.back());
       // The others would fail, too.
       if (interrupts_.count() > 0 || hopeless_) break;
@@ -148,7 +149,7 @@ class Uploading {
     }
     outcome.job = *job;
     outcome.report.state = "queued";
-    screen_.line(path + ": sent, " + std::to_string(source->size_bytes) + " bytes, job " + *job);
+    screen_.line(fmt::format("{}: sent, {} bytes, job {}", path, source->size_bytes, *job));
     return outcome;
   }
 
@@ -162,7 +163,7 @@ class Uploading {
     if (!report.ok()) {
       outcome.exit_status = status_of_answer(report.error());
       outcome.message = report.error().message;
-      screen_.line("hermite-client: " + outcome.path + ": " + outcome.message);
+      screen_.line(fmt::format("hermite-client: {}: {}", outcome.path, outcome.message));
       return;
     }
     outcome.report = *report;

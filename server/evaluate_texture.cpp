@@ -1,5 +1,7 @@
 #include "server/evaluate_texture.h"
 
+#include <fmt/core.h>
+
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -37,10 +39,10 @@ void write_images(const std::string& folder, const output::TriangleMesh& mesh,
                   const texture::TextureFrames& frames, const texture::HeldOutQuality& quality) {
   std::filesystem::create_directories(folder);
   for (std::size_t i = 0; i < mesh.pages.size(); ++i)
-    write_png(folder + "/page-" + std::to_string(i) + ".png", mesh.pages[i].image);
+    write_png(fmt::format("{}/page-{}.png", folder, i), mesh.pages[i].image);
   for (const texture::HeldOutFrame& held_out : quality.frames) {
     const Rigid3& pose = *frames.world_from_camera[held_out.frame];
-    write_png(folder + "/frame-" + std::to_string(held_out.frame) + ".png",
+    write_png(fmt::format("{}/frame-{}.png", folder, held_out.frame),
               beside_each_other(
                   or_throw(frames.read(held_out.frame)),
                   texture::drawn(mesh, frames.camera, held_out.aligned_world_from_camera,

@@ -1,5 +1,6 @@
 #include "server/offline_run.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -60,12 +61,12 @@ std::vector<report::FrameRow> process_frames(const dataset::Sequence& sequence,
         rows.push_back(
             {result, std::chrono::duration<double, std::milli>(Clock::now() - start).count()});
         if (const std::string remark = remark_on(result, said); !remark.empty())
-          progress.line("frame " + std::to_string(index) + " " + remark);
+          progress.line(fmt::format("frame {} {}", index, remark));
         said = result.reason;
-        return std::to_string(result.surfel_count) + " surfels" +
-               (result.status == track::TrackingStatus::kTracked
-                    ? ""
-                    : std::string("  ") + name_of(result.status));
+        return fmt::format("{} surfels{}", result.surfel_count,
+                           result.status == track::TrackingStatus::kTracked
+                               ? ""
+                               : std::string("  ") + name_of(result.status));
       });
   return rows;
 }
@@ -86,7 +87,8 @@ pipeline::Options options_of(const OfflineArguments& arguments) {
   for (const std::string& text : arguments.settings) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos)
-      throw SetupError({ErrorCode::kInvalidArgument, "--set \"" + text + "\": expected key=value"});
+      throw SetupError(
+          {ErrorCode::kInvalidArgument, fmt::format("--set \"{}\": expected key=value", text)});
     or_throw(pipeline::apply_setting(options, text.substr(0, equals), text.substr(equals + 1)));
   }
   if (arguments.gpu_memory_mb > 0) options.map.gpu_memory_mb = arguments.gpu_memory_mb;
@@ -96,7 +98,7 @@ pipeline::Options options_of(const OfflineArguments& arguments) {
 std::string settings_table() {
   std::string table = "Settings for --set, with their defaults:\n";
   for (const pipeline::Setting& setting : pipeline::list_settings(pipeline::Options{})) {
-    std::string key = "  " + setting.key + "=" + setting.value;
+    std::string key = fmt::format("  {}={}", setting.key, setting.value);
     key.resize(std::max<std::size_t>(key.size() + 2, 44), ' ');
     table += key + setting.description + "\n";
   }

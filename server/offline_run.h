@@ -2,6 +2,8 @@
 // without a server. Throws SetupError.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -76,8 +78,8 @@ void for_each_frame(const dataset::Sequence& sequence, dataset::FrameRange range
   std::int64_t done = 0;
   while (std::optional<Ready> ready = reader.next()) {
     if (!ready->problem.empty())
-      progress.line("frame " + std::to_string(ready->index) +
-                    " cannot be read and counts as empty: " + ready->problem);
+      progress.line(fmt::format("frame {} cannot be read and counts as empty: {}", ready->index,
+                                ready->problem));
     progress.show(++done, work(ready->index, std::move(ready->frame), progress));
   }
 }

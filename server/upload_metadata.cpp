@@ -1,5 +1,7 @@
 #include "server/upload_metadata.h"
 
+#include <fmt/core.h>
+
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -52,7 +54,7 @@ Result<std::optional<Camera>> checked_camera(const std::string& path, const Uplo
   const Result<dataset::Recording> recording = dataset::open_recording(path, camera);
   if (!recording.ok()) return recording.error();
   const evaluate::Inspection inspection = evaluate::inspect(*recording, path);
-  tell(path + ": " + inspection.format + ", " + std::to_string(inspection.frame_count) + " frames");
+  tell(fmt::format("{}: {}, {} frames", path, inspection.format, inspection.frame_count));
   for (const std::string& doubt : inspection.doubts) tell("  " + doubt);
   if (inspection.unreadable_count == inspection.frames_looked_at && inspection.frames_looked_at > 0)
     return Error{ErrorCode::kCorruptData, "none of the frames that were looked at can be read"};
