@@ -1,5 +1,6 @@
 #include "server/jobs/import_job.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <exception>
@@ -81,9 +82,9 @@ Result<ImportJob::Summary> ImportJob::import() {
   Result<std::string> bytes =
       dataset::read_text_file(world_.data.upload_path(row_.source_id), imports::kMaxModel_bytes);
   if (!bytes.ok() && bytes.error().code == ErrorCode::kTooLarge)
-    return Error{ErrorCode::kTooLarge, "the file has more than the " +
-                                           std::to_string(imports::kMaxModel_bytes) +
-                                           " bytes that a cloud or mesh may have"};
+    return Error{ErrorCode::kTooLarge,
+                 fmt::format("the file has more than the {} bytes that a cloud or mesh may have",
+                             imports::kMaxModel_bytes)};
   if (!bytes.ok()) return Error{bytes.error().code, "the upload cannot be read"};
   const Result<ImportResults> results =
       results_of_import(*std::move(bytes), *options, [this] { return !stopped_; });

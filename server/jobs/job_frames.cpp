@@ -1,5 +1,7 @@
 #include "server/jobs/job_frames.h"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include "core/log/frame_log_reader.h"
@@ -24,11 +26,11 @@ class FramesOfRecording : public JobFrames {
     request_.camera = sequence.camera();
     request_.expected_frames = static_cast<std::uint64_t>(sequence.frame_count());
     remarks_ = recording_.doubts;
-    remarks_.insert(remarks_.begin(), sequence.format() + " (" + recording_.format_reason + "), " +
-                                          std::to_string(sequence.frame_count()) + " frames of " +
-                                          std::to_string(request_.camera.width) + "x" +
-                                          std::to_string(request_.camera.height) +
-                                          ", camera: " + recording_.camera_source);
+    remarks_.insert(
+        remarks_.begin(),
+        fmt::format("{} ({}), {} frames of {}x{}, camera: {}", sequence.format(),
+                    recording_.format_reason, sequence.frame_count(), request_.camera.width,
+                    request_.camera.height, recording_.camera_source));
   }
   const wire::StartScan& request() const override { return request_; }
   Result<std::optional<wire::Frame>> next() override {

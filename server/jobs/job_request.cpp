@@ -1,5 +1,7 @@
 #include "server/jobs/job_request.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
@@ -40,8 +42,8 @@ std::string without_ending(std::string name) {
 // depends on the uploaded bytes.
 Status check_settings(const std::map<std::string, std::string>& settings) {
   if (settings.size() > static_cast<std::size_t>(wire::kMaxSettings))
-    return invalid("settings has " + std::to_string(settings.size()) + " entries, allowed are " +
-                   std::to_string(wire::kMaxSettings));
+    return invalid(fmt::format("settings has {} entries, allowed are {}", settings.size(),
+                               wire::kMaxSettings));
   if (std::any_of(settings.begin(), settings.end(),
                   [](const auto& setting) { return imports::is_import_option(setting.first); })) {
     const Result<imports::ImportOptions> options = imports::parse_import_options(settings);
@@ -70,8 +72,8 @@ Result<int> parse_priority(const std::string& text) {
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), priority);
   if (error != std::errc() || stop != text.data() + text.size() || priority < kLowestPriority ||
       priority > kHighestPriority)
-    return invalid("priority must be a whole number from " + std::to_string(kLowestPriority) +
-                   " to " + std::to_string(kHighestPriority));
+    return invalid(fmt::format("priority must be a whole number from {} to {}", kLowestPriority,
+                               kHighestPriority));
   return priority;
 }
 
@@ -174,8 +176,8 @@ Result<JobRow> job_of_request(const std::string& body) {
       if (!settings.ok()) return settings.error();
       job.settings = Json(*settings).dump();
     } else {
-      return invalid("the field \"" + clean_title(key) +
-                     "\" is not known here, or is not what it should be");
+      return invalid(fmt::format("the field \"{}\" is not known here, or is not what it should be",
+                                 clean_title(key)));
     }
   }
   if (job.source_id.empty()) return invalid("the field \"scan\" with the id of a scan is missing");
@@ -184,10 +186,9 @@ Result<JobRow> job_of_request(const std::string& body) {
 
 Status check_priority(const JobRow& job, bool is_admin) {
   if (is_admin || job.priority <= kHighestPriorityForAll) return Done{};
-  return Error{ErrorCode::kUnauthorized, "priority " + std::to_string(job.priority) +
-                                             " needs a token with admin; others may ask for " +
-                                             std::to_string(kLowestPriority) + " to " +
-                                             std::to_string(kHighestPriorityForAll)};
+  return Error{ErrorCode::kUnauthorized,
+               fmt::format("priority {} needs a token with admin; others may ask for {} to {}",
+                           job.priority, kLowestPriority, kHighestPriorityForAll)};
 }
 
 std::map<std::string, std::string> settings_of(const JobRow& job) {

@@ -1,5 +1,6 @@
 #include "server/jobs/local_executor.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -37,7 +38,7 @@ Status LocalExecutor::submit(const JobRow& job) {
     // A cancelled job may not have stopped yet.
     if (running_.contains(job.id))
       return Error{ErrorCode::kBusy,
-                   "job " + job.id + " is just being ended; try again in a moment"};
+                   fmt::format("job {} is just being ended; try again in a moment", job.id)};
     known->state = JobState::kQueued;
     known->message.clear();
     known->scan_id.clear();
@@ -91,7 +92,8 @@ Status LocalExecutor::cancel(const std::string& id) {
   if (!row.ok()) return row.error();
   if (row->state == JobState::kFailed) return put_away(*std::move(row));
   if (has_ended(row->state))
-    return Error{ErrorCode::kBusy, "job " + id + " has ended: it is " + name_of(row->state)};
+    return Error{ErrorCode::kBusy,
+                 fmt::format("job {} has ended: it is {}", id, name_of(row->state))};
   // Stored at once, so that it stays cancelled even if the server dies now.
   row->state = JobState::kCancelled;
   row->message = "cancelled";
@@ -130,9 +132,8 @@ void LocalExecutor::start(JobRow row) {
     spdlog::error("job {} cannot start: {}", row.id, status.error().message);
     return;
   }
-  note(
-      row.id,
-      "started" + (row.attempt_count == 1 ? "" : ", attempt " + std::to_string(row.attempt_count)));
+  note(row.id,
+       "started" + (row.attempt_count == 1 ? "" : fmt::format(", attempt {}", row.attempt_count)));
   JobEvents events;
   events.progress = [this, id = row.id](JobStage stage) {
     if (const auto running = running_.find(id); running != running_.end())
@@ -173,8 +174,8 @@ void LocalExecutor::put_off(const std::string& id, const std::string& message) {
   pause.length_ms = pause.length_ms == 0 ? kFirstRoomPause_ms
                                          : std::min(2 * pause.length_ms, kLongestRoomPause_ms);
   pause.until_ms = hooks_.now_ms() + pause.length_ms;
-  note(id, "waits for room, and is tried again in " + std::to_string(pause.length_ms / 1000) +
-               " s: " + message);
+  note(id, fmt::format("waits for room, and is tried again in {} s: {}", pause.length_ms / 1000,
+                       message));
 }
 
 void LocalExecutor::tick(std::chrono::steady_clock::time_point now) {
@@ -231,8 +232,9 @@ Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms) {
       row.state = JobState::kFinished;
     } else if (row.attempt_count >= kMaxAttempts) {
       row.state = JobState::kFailed;
-      row.message = "the server ended " + std::to_string(row.attempt_count) +
-                    " times while it worked on this; it is not tried again";
+      row.message =
+          fmt::format("the server ended {} times while it worked on this; it is not tried again",
+                      row.attempt_count);
     } else {
       row.state = JobState::kQueued;
     }

@@ -1,5 +1,6 @@
 #include "server/jobs/scan_job.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -146,9 +147,10 @@ Result<std::string> ScanJob::recording_path() {
     return Error{unpacked.error().code,
                  without_path(unpacked.error().message, upload,
                               row_.title.empty() ? "the upload" : row_.title)};
-  on_network([this, message = unpacked->kind + ": " + std::to_string(unpacked->file_count) +
-                              " files unpacked, " + std::to_string(unpacked->output_bytes) +
-                              " bytes"] { events_.log(message); });
+  on_network([this, message = fmt::format("{}: {} files unpacked, {} bytes", unpacked->kind,
+                                          unpacked->file_count, unpacked->output_bytes)] {
+    events_.log(message);
+  });
   return folder;
 }
 
@@ -191,10 +193,9 @@ Status ScanJob::feed(JobFrames& source) {
     const std::uint64_t sequence = (*frame)->sequence;
     std::string message = wire::format_client_message(**frame);
     if (message.size() > allowed.max_message_bytes)
-      return Error{ErrorCode::kTooLarge, "frame " + std::to_string(sequence) + " takes " +
-                                             std::to_string(message.size()) +
-                                             " bytes, allowed are " +
-                                             std::to_string(allowed.max_message_bytes)};
+      return Error{ErrorCode::kTooLarge,
+                   fmt::format("frame {} takes {} bytes, allowed are {}", sequence, message.size(),
+                               allowed.max_message_bytes)};
     if (!wait([sequence](const Feed& feed) { return feed.granted > sequence; })) return Done{};
     auto shared = std::make_shared<std::pair<wire::Frame, std::string>>(**std::move(frame),
                                                                         std::move(message));
@@ -243,7 +244,7 @@ void ScanJob::begin_scan() {
             static_cast<std::int64_t>(request.expected_frames)};
   events_.progress(stage_);
   if (begun->next_sequence > 0)
-    events_.log("goes on with frame " + std::to_string(begun->next_sequence));
+    events_.log(fmt::format("goes on with frame {}", begun->next_sequence));
   scan_->attach_camera(link());
   {
     const std::lock_guard lock(mutex_);
@@ -287,7 +288,7 @@ void ScanJob::said(const wire::ServerMessage& message) {
     last_state_ = *state;
   } else if (const auto* error = std::get_if<wire::ErrorMessage>(&message);
              error && error->about_frame) {
-    events_.log("frame " + std::to_string(error->sequence) + ": " + error->message);
+    events_.log(fmt::format("frame {}: {}", error->sequence, error->message));
   }
 }
 
