@@ -1,5 +1,6 @@
 #include "server/scan/left_scans.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>

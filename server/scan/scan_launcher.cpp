@@ -1,5 +1,6 @@
 #include "server/scan/scan_launcher.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>

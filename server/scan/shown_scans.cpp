@@ -1,6 +1,6 @@
 #include "server/scan/shown_scans.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <atomic>
 #include <utility>
