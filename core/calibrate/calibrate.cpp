@@ -42,7 +42,7 @@ constexpr std::size_t kLeastViews = 8, kLeastFittedPairs = 16, kLeastHeldBackPai
 struct Trial {
   JointSolution solution;
   PairAgreement held_back;
-  double relative_rms() const { return held_back.rms_m / held_back.mean_depth_m; }
+  double relative_rms() const { return held_back.relative_rms; }
 };
 
 class Search {
@@ -114,7 +114,7 @@ class Search {
 Json agreement_json(const PairAgreement& agreement) {
   return {{"median_m", agreement.median_m},
           {"rms_m", agreement.rms_m},
-          {"mean_depth_m", agreement.mean_depth_m},
+          {"relative_rms", agreement.relative_rms},
           {"points", agreement.point_count}};
 }
 
@@ -200,8 +200,7 @@ class Elimination {
 // matter together.
 bool agrees_better(const Trial& as_it_was, const Trial& best) {
   return best.relative_rms() < (1 - kLeastGain) * as_it_was.relative_rms() &&
-         best.held_back.median_m * as_it_was.held_back.mean_depth_m <=
-             as_it_was.held_back.median_m * best.held_back.mean_depth_m;
+         best.held_back.relative_median <= as_it_was.held_back.relative_median;
 }
 
 // Decides whether the result is applied, by the agreement of the held-out pairs.

@@ -70,7 +70,7 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
                       const CalibrateOptions& options = {});
 
 // {"applied", "reason", "views", "pairs_fitted", "pairs_held_back", "numbers": {name: {"value",
-// "deviation", "applied", "reason"}}, "held_back": {"before": {"median_m", "rms_m", "mean_depth_m",
+// "deviation", "applied", "reason"}}, "held_back": {"before": {"median_m", "rms_m", "relative_rms",
 // "points"}, "after": ...}}
 std::string format_calibration_json(const Calibration& calibration);
 

@@ -41,21 +41,25 @@ constexpr double kSignificant = 5, kMostUsual = 3;
 constexpr double kMostApart = 0.5, kMostApartDeviations = 3;
 
 // For the held-out pairs, the least mean relative decrease of squared distances, and how many
-// standard errors it must be. An error of 1 % of focal length gives 2.4 to 9 % with 16 views and
-// more, at 4 to 12 standard errors; an undisturbed camera gives -0.4 to 0.3 %.
-constexpr double kLeastMeanGain = 0.01, kLeastMeanGainErrors = 3;
+// standard errors it must be. An undisturbed camera gives -0.2 to 0.1 %.
+constexpr double kLeastMeanGain = 0.005, kLeastMeanGainErrors = 3;
+
+// The same for a number of the timing beside a shape that is confirmed. It shows in the few fast
+// movements only: with a focal length 1 % off, a readout known to 3 % of its value gains 2.7
+// standard errors.
+constexpr double kLeastGainErrorsBesideShape = 2;
 
 // The deviations of an adjustment are too small where its pairs are few or err alike: with depth in
 // a tenth of the image, bend was 0.5 % off with a deviation of 0.16. And each answer counts the
 // views of the one before it again.
 constexpr double kWider = 3;
 
-// Between bare walls a dozen views confuse focal length, distortion and bend: all three together
-// become 0.5 %, 0.004 and 0.3 % of a camera that fits, and those that are off are found with as
-// much to spare, while each alone is found within a twentieth. So the lens is judged alone, if that
-// loses no more than these three together gain from noise: up to 1.5 % of the squares of surfaces,
-// and 0.2 % of those of corners, while a wrong one of the three loses 1 to 8 % there.
-constexpr double kMostLossInSurfaces = 0.02, kMostLossInCorners = 0.005;
+// A dozen views confuse focal length, distortion and bend: with a Kinect's noise all three together
+// are up to 0.8 %, 0.009 and 0.5 % off, while those that are off are found within a tenth when only
+// they are free. So the fewest of them are taken that explain what all three do: that lose no more
+// than what these gain from noise, up to 0.3 % of the squares of surfaces and 0.2 % of those of
+// corners. Too few of them lose 1 to 7 % of either, and the wrong two 0.5 to 2.4 %.
+constexpr double kMostLoss = 0.005;
 
 constexpr std::size_t kLeastPairs = 24, kLeastPairsOfHalf = 12, kLeastPairsHeldBack = 6;
 
@@ -139,9 +143,8 @@ std::optional<MeasuredShape> measured(const Question& question, const FreeNumber
   return MeasuredShape{errors_of(-shape_of(all.change)), errors_of(deviations)};
 }
 
-bool is_certain(const PairGain& gain) {
-  return gain.pair_count >= kLeastPairsHeldBack &&
-         gain.mean >= kLeastMeanGainErrors * gain.standard_error;
+bool is_certain(const PairGain& gain, double least_errors) {
+  return gain.pair_count >= kLeastPairsHeldBack && gain.mean >= least_errors * gain.standard_error;
 }
 
 // Whether the held-out pairs agree better with the shape of the camera, and with each number of its
@@ -151,14 +154,16 @@ bool pairs_gain(const Question& question, const FreeNumbers& is_free, const Join
   const HeldOutPairs held_out{question.views, question.pairs.held_back, question.camera};
   FreeNumbers timing_alone = is_free;
   timing_alone[kFocal] = timing_alone[kRadial] = timing_alone[kBend] = false;
-  if (timing_alone != is_free) {
+  const bool has_shape = timing_alone != is_free;
+  if (has_shape) {
     const JointSolution without = question.solve(question.pairs.fitted, timing_alone, &found);
     const auto gains_in = [&](ShowsIn where) {
       const PairGain gain = gain_of(held_out, without, found, where);
-      return is_certain(gain) && gain.mean >= kLeastMeanGain;
+      return is_certain(gain, kLeastMeanGainErrors) && gain.mean >= kLeastMeanGain;
     };
-    // Distortion moves corners even where it hardly moves a surface: on walls seen from the front.
-    if (!gains_in(ShowsIn::kSurfaces) && !(is_free[kRadial] && gains_in(ShowsIn::kCorners)))
+    // Where walls are seen from the front, these two move corners but hardly a surface.
+    const bool moves_corners = is_free[kFocal] || is_free[kRadial];
+    if (!gains_in(ShowsIn::kSurfaces) && !(moves_corners && gains_in(ShowsIn::kCorners)))
       return false;
   }
   for (const CameraNumber number : {kDepthReadout, kColorReadout, kColorDelay}) {
@@ -166,7 +171,9 @@ bool pairs_gain(const Question& question, const FreeNumbers& is_free, const Join
     FreeNumbers without = is_free;
     without[number] = false;
     const JointSolution as_it_was = question.solve(question.pairs.fitted, without, &found);
-    if (!is_certain(gain_of(held_out, as_it_was, found, where_shows(number)))) return false;
+    const PairGain gain = gain_of(held_out, as_it_was, found, where_shows(number));
+    if (!is_certain(gain, has_shape ? kLeastGainErrorsBesideShape : kLeastMeanGainErrors))
+      return false;
   }
   return true;
 }
@@ -186,18 +193,52 @@ Loss loss_of(const Question& question, const JointSolution& simple, const JointS
           gain_of(pairs, simple, full, ShowsIn::kCorners).mean};
 }
 
-// Whether the solution `lens_alone` explains what focal length, distortion and bend together do,
-// better than either of the others alone.
-bool is_lens_alone(const Question& question, const FreeNumbers& is_free,
-                   const JointSolution& with_all, const JointSolution& lens_alone) {
-  const Loss loss = loss_of(question, lens_alone, with_all);
-  if (loss.in_surfaces > kMostLossInSurfaces || loss.in_corners > kMostLossInCorners) return false;
-  return std::ranges::all_of(std::array{kFocal, kBend}, [&](CameraNumber number) {
-    FreeNumbers alone = is_free;
-    for (const CameraNumber other : {kFocal, kRadial, kBend}) alone[other] = other == number;
-    const JointSolution solution = question.solve(question.pairs.fitted, alone, &with_all);
-    return loss.all() < loss_of(question, solution, with_all).all();
-  });
+struct Explanation {
+  FreeNumbers is_free{};
+  JointSolution solution;
+};
+
+// Returns the fewest of focal length, distortion and bend that explain what all three do, and of
+// equally many those that lose least.
+Explanation simplest(const Question& question, const Explanation& with_all) {
+  using Shape = std::array<bool, 3>;  // focal length, distortion, bend
+  constexpr std::array<Shape, 7> kShapes{{{},
+                                          {true, false, false},
+                                          {false, true, false},
+                                          {false, false, true},
+                                          {true, true, false},
+                                          {true, false, true},
+                                          {false, true, true}}};
+  std::optional<Explanation> best;
+  double least_loss = std::numeric_limits<double>::infinity();
+  std::ptrdiff_t best_count = 0;
+  for (const Shape& shape : kShapes) {
+    const std::ptrdiff_t count = std::ranges::count(shape, true);
+    if (best && count > best_count) break;
+    Explanation trial = with_all;
+    trial.is_free[kFocal] = shape[0];
+    trial.is_free[kRadial] = shape[1];
+    trial.is_free[kBend] = shape[2];
+    trial.solution = question.solve(question.pairs.fitted, trial.is_free, &with_all.solution);
+    const Loss loss = loss_of(question, trial.solution, with_all.solution);
+    if (std::max(loss.in_surfaces, loss.in_corners) > kMostLoss || loss.all() >= least_loss)
+      continue;
+    least_loss = loss.all();
+    best_count = count;
+    best = std::move(trial);
+  }
+  return best ? *std::move(best) : with_all;
+}
+
+// Returns what explains the views if a distortion of the lens is a part of it.
+std::optional<Explanation> lens_of(const Question& question, const Explanation& without) {
+  Explanation with_all = without;
+  with_all.is_free[kRadial] = true;
+  with_all.solution = question.solve(question.pairs.fitted, with_all.is_free, &without.solution);
+  if (!numbers_off(with_all.solution)[kRadial]) return std::nullopt;
+  Explanation found = simplest(question, with_all);
+  if (!found.is_free[kRadial] || !numbers_off(found.solution)[kRadial]) return std::nullopt;
+  return found;
 }
 
 // Judges a solution with these free parameters.
@@ -232,23 +273,14 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
   all[kRadial] = false;
   depth_rows[kDepthReadout] = true;
   const JointSolution found = question.solve(question.pairs.fitted, all, nullptr);
-  if (lenses == Lenses::kOne) {
-    FreeNumbers is_free = all;
-    is_free[kRadial] = true;
-    const JointSolution with_lens = question.solve(question.pairs.fitted, is_free, &found);
-    if (numbers_off(with_lens)[kRadial]) {
-      FreeNumbers lens_alone = is_free;
-      lens_alone[kFocal] = lens_alone[kBend] = false;
-      const JointSolution alone = question.solve(question.pairs.fitted, lens_alone, &with_lens);
-      if (numbers_off(alone)[kRadial] && is_lens_alone(question, is_free, with_lens, alone))
-        return verdict_on(question, lens_alone, alone);
-      // It may not be the only error. But focal length and bend together stand for a lens, too:
-      // they are believed only if nothing speaks for it.
-      const FreeNumbers is_off = numbers_off(found);
-      if (is_off[kFocal] && is_off[kBend]) return verdict_on(question, is_free, with_lens);
-    }
+  std::optional<Explanation> lens;
+  if (lenses == Lenses::kOne) lens = lens_of(question, {all, found});
+  CameraCheck check;
+  if (lens) {
+    check = verdict_on(question, lens->is_free, lens->solution);
+  } else if (is_known(found)) {
+    check = verdict_on(question, all, found);
   }
-  CameraCheck check = is_known(found) ? verdict_on(question, all, found) : CameraCheck{};
   if (check.verdict != CameraVerdict::kUnknown) return check;
   // Something else is wrong with the camera, or its movement does not tell its shape; the timing
   // may be clear nevertheless, or at least that of depth, which harms tracking most.
@@ -258,7 +290,7 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
     if (check.verdict == CameraVerdict::kIsOff) return check;
   }
   check = {};
-  check.measured = measured(question, all, found);
+  if (!lens) check.measured = measured(question, all, found);
   return check;
 }
 

@@ -8,6 +8,19 @@
 namespace hermite::calibrate {
 namespace {
 
+// Of at least one value, whose order it changes.
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double rms_of(const std::vector<double>& values) {
+  double squares = 0;
+  for (const double value : values) squares += value * value;
+  return std::sqrt(squares / static_cast<double>(values.size()));
+}
+
 class SurfaceSum {
  public:
   void add(const ViewMeasurement& measurement, const std::vector<Rigid3>& world_from_camera,
@@ -21,25 +34,22 @@ class SurfaceSum {
 
   PairAgreement agreement() && {
     if (distances_m_.empty()) return {};
-    const auto middle = distances_m_.begin() + static_cast<std::ptrdiff_t>(distances_m_.size() / 2);
-    std::nth_element(distances_m_.begin(), middle, distances_m_.end());
-    const auto count = static_cast<double>(distances_m_.size());
-    return {*middle, std::sqrt(squares_ / count), depths_m_ / count,
-            static_cast<std::int64_t>(distances_m_.size())};
+    const auto count = static_cast<std::int64_t>(distances_m_.size());
+    return {median_of(distances_m_), rms_of(distances_m_), median_of(along_rays_),
+            rms_of(along_rays_), count};
   }
 
  private:
   void add(const std::vector<SurfaceMatch>& matches) {
     for (const SurfaceMatch& match : matches) {
-      const double distance_m = std::min(std::abs(match.distance_m), kMostCounted_m);
-      distances_m_.push_back(distance_m);
-      squares_ += distance_m * distance_m;
-      depths_m_ += match.in_target_m.z();
+      distances_m_.push_back(std::min(std::abs(match.distance_m), kMostCounted_m));
+      along_rays_.push_back(std::min(std::abs(match.behind_m), kMostCounted_m) /
+                            match.in_target_m.z());
     }
   }
 
-  std::vector<double> distances_m_;  // absolute and clipped
-  double squares_ = 0, depths_m_ = 0;
+  // Absolute and clipped; along rays, relative to depth.
+  std::vector<double> distances_m_, along_rays_;
 };
 
 class CornerSum {
@@ -132,12 +142,10 @@ PairGain gain_of(const HeldOutPairs& held_out, const JointSolution& before,
   return gain_of(squares(before), squares(after));
 }
 
-// Relative to depth, so that a camera that shrinks everything gains nothing.
 std::vector<double> squares_of(const std::vector<PairAgreement>& agreements) {
   std::vector<double> squares;
   for (const PairAgreement& agreement : agreements)
-    squares.push_back(
-        agreement.point_count > 0 ? std::pow(agreement.rms_m / agreement.mean_depth_m, 2) : 0);
+    squares.push_back(agreement.relative_rms * agreement.relative_rms);
   return squares;
 }
 

@@ -16,8 +16,11 @@ inline constexpr double kMostApart_m = 0.10, kMostCounted_m = 0.05;
 // as the same surface, and they are clipped to kMostCounted_m, as in depth_consistency.h.
 struct PairAgreement {
   double median_m = 0, rms_m = 0;
-  // For normalisation: a camera that shrinks everything also shrinks distances.
-  double mean_depth_m = 0;
+  // The same along the rays, divided by depth. A camera that shrinks everything gains nothing by
+  // it, nor does one with a greater focal length, in which walls are steeper and distances from
+  // them therefore shorter. With that, a lens with k1 = -0.04 was taken for 3.4 % of focal length
+  // and 2.4 % of bend, whose distances are 1.2 % shorter.
+  double relative_median = 0, relative_rms = 0;
   std::int64_t point_count = 0;
 };
 PairAgreement agreement_of(const std::vector<CalibrationView>& views,

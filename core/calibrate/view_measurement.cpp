@@ -127,8 +127,8 @@ std::vector<SurfaceMatch> ViewMeasurement::surface_matches(const PairSide& side,
       if (normal.dot(there.plane_per_m) < kAlikeCosine * length_per_m) continue;
       matches.push_back({facet.point_m.cast<double>(), point.cast<double>(),
                          Eigen::Vector2d(from.pixel_of(column), from.pixel_of(row)),
-                         at.matrix().cast<double>(), normal.cast<double>(), distance_m, sigma_m,
-                         near_m});
+                         at.matrix().cast<double>(), normal.cast<double>(), distance_m, behind_m,
+                         sigma_m, near_m});
     }
   return matches;
 }
@@ -239,44 +239,61 @@ std::vector<Eigen::Vector2d> ViewMeasurement::corner_errors_px(
   return errors_px;
 }
 
+// Both pixels have errors, and derivatives taken at either would be correlated with them: the bias
+// of errors in variables (Fuller, Measurement Error Models, 1987). At 320x240 it was 0.7 % of focal
+// length, 0.004 of k1 and 0.3 % of bend with rendered walls without any noise of depth. Halfway
+// between them, where errors of equal size cancel, it is 0.2 %, 0.0015 and 0.
+ViewMeasurement::Sighting ViewMeasurement::halfway(Sighting corner) const {
+  const Eigen::Array2d half_px = 0.5 * corner.error_px.array(),
+                       focal_px = Eigen::Array2d(camera_.fx, camera_.fy);
+  Eigen::Vector3d moved_m = Eigen::Vector3d::Zero();
+  moved_m.head<2>() = -corner.in_target_m.z() * (half_px / focal_px).matrix();
+  corner.in_target_m += moved_m;
+  const Eigen::Vector3d moved_in_source_m = corner.target_from_source.transpose() * moved_m;
+  corner.in_source_m += moved_in_source_m;
+  corner.as_measured_m += moved_in_source_m;
+  corner.source_px = camera_.project(corner.as_measured_m);
+  corner.target_px = camera_.project(corner.in_target_m);
+  return corner;
+}
+
 void ViewMeasurement::add_corner(const PairSide& side, const adjust::LandmarkMatch& match,
                                  double gate_px, SideQuadratic& sum) const {
-  const std::optional<Sighting> corner = sighting(side, match);
-  if (!corner) return;
-  const double sigma_px = corner->scale;
-  if (corner->error_px.norm() > gate_px * sigma_px) return;
-  const Eigen::Vector3d& point = corner->in_target_m;
+  const std::optional<Sighting> measured = sighting(side, match);
+  if (!measured) return;
+  const double sigma_px = measured->scale;
+  if (measured->error_px.norm() > gate_px * sigma_px) return;
+  const Sighting corner = halfway(*measured);
+  const Eigen::Vector3d& point = corner.in_target_m;
   Eigen::Matrix<double, 2, 3> by_point;
   by_point << camera_.fx / point.z(), 0, -camera_.fx * point.x() / (point.z() * point.z()),  //
       0, camera_.fy / point.z(), -camera_.fy * point.y() / (point.z() * point.z());
-  const Eigen::Matrix<double, 2, 3> by_own = by_point * corner->target_from_source;
+  const Eigen::Matrix<double, 2, 3> by_own = by_point * corner.target_from_source;
   Eigen::Matrix<double, 2, kSideNumberCount> derivative;
   derivative.leftCols<3>() = by_own;
-  derivative.middleCols<3>(3) = -by_own * skew(corner->in_source_m);
+  derivative.middleCols<3>(3) = -by_own * skew(corner.in_source_m);
   derivative.rightCols<kCameraNumberCount>() =
-      by_own * derivative_by_camera(corner->as_measured_m, corner->source_px);
+      by_own * derivative_by_camera(corner.as_measured_m, corner.source_px);
   derivative(0, 6 + kFocal) += camera_.fx * point.x() / point.z();
   derivative(1, 6 + kFocal) += camera_.fy * point.y() / point.z();
   const Eigen::Array2d focal(camera_.fx, camera_.fy);
-  const Eigen::Array2d seen_at =
-      (corner->target_px.array() - Eigen::Array2d(camera_.cx, camera_.cy)) / focal;
   derivative.col(6 + kRadial) -=
-      (by_radial(seen_at.matrix(), camera_.distortion).array() * focal).matrix();
+      (by_radial(point.head<2>() / point.z(), camera_.distortion).array() * focal).matrix();
   derivative(0, 6 + kCenterX) += 1;
   derivative(1, 6 + kCenterY) += 1;
-  const Eigen::Vector2d later_source = by_own * velocity_of(corner->in_source_m,
+  const Eigen::Vector2d later_source = by_own * velocity_of(corner.in_source_m,
                                                             views_[side.source].twist_per_s()),
                         later_target =
                             -by_point * velocity_of(point, views_[side.target].twist_per_s());
   derivative.col(6 + kColorDelay) = later_source + later_target;
   derivative.col(6 + kColorReadout) =
-      share_of_row(corner->source_px.y(), camera_.height) * later_source +
-      share_of_row(corner->target_px.y(), camera_.height) * later_target;
+      share_of_row(corner.source_px.y(), camera_.height) * later_source +
+      share_of_row(corner.target_px.y(), camera_.height) * later_target;
   const double scale_px = std::max(kLeastScale_px, gate_px / kGateOverScale) * sigma_px;
   const double weight =
-      1 / (sigma_px * sigma_px * (1 + corner->error_px.squaredNorm() / (scale_px * scale_px)));
+      1 / (sigma_px * sigma_px * (1 + measured->error_px.squaredNorm() / (scale_px * scale_px)));
   sum.information.selfadjointView<Eigen::Lower>().rankUpdate(derivative.transpose(), weight);
-  sum.gradient += weight * derivative.transpose() * corner->error_px;
+  sum.gradient += weight * derivative.transpose() * measured->error_px;
 }
 
 }  // namespace hermite::calibrate

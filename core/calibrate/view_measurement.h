@@ -62,6 +62,7 @@ struct SurfaceMatch {
   Eigen::Vector2d source_px, target_px;
   Eigen::Vector3d normal_in_target;  // the source's
   double distance_m;                 // from the target's plane
+  double behind_m;                   // the same along the ray of the target
   double sigma_m, gate_m;
 };
 
@@ -105,6 +106,8 @@ class ViewMeasurement {
  private:
   struct Sighting;  // of a corner of one view in another one
   std::optional<Sighting> sighting(const PairSide& side, const adjust::LandmarkMatch& match) const;
+  // Returns the corner where the mean of both measurements sees it, with its error as measured.
+  Sighting halfway(Sighting corner) const;
   using PointByCamera = Eigen::Matrix<double, 3, kCameraNumberCount>;
   PointByCamera derivative_by_camera(const Eigen::Vector3d& point_m,
                                      const Eigen::Vector2d& pixel_px) const;

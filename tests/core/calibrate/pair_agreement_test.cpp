@@ -22,7 +22,7 @@ TEST(PairAgreement, OnePairHasNoStandardErrorAndNoGain) {
 
 TEST(PairAgreement, SquaresAreRelativeToDepthAndZeroWithoutPoints) {
   const std::vector<double> squares =
-      squares_of(std::vector<PairAgreement>{{0.001, 0.004, 2, 100}, {}});
+      squares_of(std::vector<PairAgreement>{{0.001, 0.004, 0.0005, 0.002, 100}, {}});
   ASSERT_EQ(squares.size(), 2u);
   EXPECT_DOUBLE_EQ(squares[0], std::pow(0.002, 2));
   EXPECT_EQ(squares[1], 0);
