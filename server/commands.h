@@ -25,6 +25,7 @@ struct Command {
 
 Command add_serve_command(CLI::App& app);
 Command add_reconstruct_command(CLI::App& app);
+Command add_work_command(CLI::App& app);
 Command add_calibrate_command(CLI::App& app);
 Command add_evaluate_command(CLI::App& app);
 Command add_compare_command(CLI::App& app);

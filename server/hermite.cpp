@@ -13,6 +13,6 @@ int main(int argc, char** argv) {
        add_convert_command(app), add_mesh_command(app), add_measure_command(app),
        add_export_command(app), add_doctor_command(app), add_backup_command(app),
        add_restore_command(app), add_migrate_command(app), add_token_command(app),
-       add_share_command(app), add_audit_command(app)},
+       add_share_command(app), add_audit_command(app), add_work_command(app)},
       argc, argv);
 }

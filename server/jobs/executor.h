@@ -14,7 +14,8 @@ namespace hermite::server {
 
 // The stage of a running job; other jobs have none.
 struct JobStage {
-  // "unpacking", "waiting for a free place", "reading the frame log", "tracking", "finishing".
+  // "unpacking", "waiting for a free place", "reading the frame log", "tracking", "finishing"; with
+  // a cluster also "submitting", "waiting for the cluster", "waiting in the cluster", "starting".
   std::string name;
   std::int64_t done = 0;
   std::int64_t total = 0;  // 0: not known

@@ -197,6 +197,10 @@ void LocalExecutor::tick(std::chrono::steady_clock::time_point now) {
   });
   while (!waiting->empty() && running_.size() < static_cast<std::size_t>(worker_count_)) {
     const auto next = waiting->begin() + static_cast<std::ptrdiff_t>(next_of(*waiting));
+    if (hooks_.has_room && !hooks_.has_room(*next)) {
+      waiting->erase(next);
+      continue;
+    }
     last_start_[next->token_id] = ++start_count_;
     start(std::move(*next));
     waiting->erase(next);
@@ -217,6 +221,12 @@ std::size_t LocalExecutor::next_of(const std::vector<JobRow>& waiting) const {
   return best;
 }
 
+std::size_t LocalExecutor::count_running(const std::function<bool(const JobRow&)>& which) const {
+  return static_cast<std::size_t>(
+      std::count_if(running_.begin(), running_.end(),
+                    [&which](const auto& entry) { return which(entry.second.row); }));
+}
+
 void LocalExecutor::refuse_new() { stopping_ = true; }
 
 void LocalExecutor::stop() {
@@ -228,8 +238,12 @@ Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms) {
   const Result<std::vector<JobRow>> left = store.jobs.in_state(JobState::kRunning);
   if (!left.ok()) return left.error();
   for (JobRow row : *left) {
+    const bool goes_on = scans.goes_on_elsewhere && scans.goes_on_elsewhere(row);
     if (scans.is_finished(row.scan_id)) {
       row.state = JobState::kFinished;
+    } else if (goes_on) {
+      row.state = JobState::kQueued;
+      --row.attempt_count;
     } else if (row.attempt_count >= kMaxAttempts) {
       row.state = JobState::kFailed;
       row.message =
@@ -240,9 +254,9 @@ Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms) {
     }
     if (has_ended(row.state)) row.finished_at_ms = now_ms;
     if (Status status = store.jobs.update(row); !status.ok()) return status;
-    const std::string message = row.state == JobState::kQueued
-                                    ? "the server ended; the job waits again"
-                                    : name_of(row.state);
+    const std::string message = row.state != JobState::kQueued ? name_of(row.state)
+                                : goes_on ? "the server ended; the job went on without it"
+                                          : "the server ended; the job waits again";
     if (Status status = store.jobs.add_line(row.id, {now_ms, message}); !status.ok()) return status;
   }
   for (const JobState state : {JobState::kFailed, JobState::kCancelled}) {

@@ -55,6 +55,8 @@ class LocalExecutor : public Executor {
     std::function<std::int64_t()> now_ms;
     std::function<std::string()> new_scan_id;
     std::function<void(std::function<void()>)> post;  // runs a function on this thread soon
+    // Whether this job may start beside those that run; empty: every one may.
+    std::function<bool(const JobRow&)> has_room = {};
   };
 
   // `store` outlives this.
@@ -72,6 +74,7 @@ class LocalExecutor : public Executor {
   // Stops running jobs; the next server continues them.
   void stop();
   std::size_t running_count() const { return running_.size(); }
+  std::size_t count_running(const std::function<bool(const JobRow&)>& which) const;
 
  private:
   struct Running {
@@ -113,6 +116,9 @@ class LocalExecutor : public Executor {
 struct JobScans {
   std::function<bool(const std::string&)> is_finished;
   std::function<void(const std::string&)> remove_unfinished;
+  // Whether other machines work on the job, so that the end of the server was not the end of an
+  // attempt; empty: they never do.
+  std::function<bool(const JobRow&)> goes_on_elsewhere = {};
 };
 Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms);
 

@@ -154,7 +154,8 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id,
 Status Scans::add_imported(const ScanRow& row, bool may_be_meshed) {
   if (Status added = storage_.store.scans.add(row); !added.ok()) return added;
   rows_.begin_again(row.id);  // of an earlier attempt of the same job
-  log_with({row.id}, spdlog::level::info, fmt::format("scan {} imported", row.id));
+  log_with({row.id}, spdlog::level::info,
+           fmt::format("scan {} added, with all of its files", row.id));
   metrics_.scan_ended(name_of(row.phase));
   storage_.quota.files_changed();
   if (may_be_meshed && finished_) finished_(row);

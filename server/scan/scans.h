@@ -86,8 +86,8 @@ class Scans {
                                              const wire::StartScan& request);
   bool has_room_for(const std::string& scan_id) const;  // for a job: waiting cameras go first
 
-  // Adds an imported scan whose files exist already. kInvalidArgument, kIo. `may_be_meshed`: its
-  // mesh is made automatically.
+  // Adds an imported scan, or one that another machine has made; its files exist already.
+  // kInvalidArgument, kIo. `may_be_meshed`: its mesh is made automatically.
   Status add_imported(const ScanRow& row, bool may_be_meshed);
 
   // Removes what exists of the scan of a failed or cancelled job.

@@ -28,12 +28,12 @@
 #include "server/disk/storage.h"
 #include "server/disk/store_watch.h"
 #include "server/exports/exports.h"
-#include "server/jobs/batch.h"
 #include "server/net/service_manager.h"
 #include "server/net/tls.h"
 #include "server/routes/admin.h"
 #include "server/routes/static_files.h"
 #include "server/scan/scans.h"
+#include "server/service/batch_setup.h"
 #include "server/service/connection_acceptor.h"
 #include "server/service/limits.h"
 #include "server/service/results_place.h"
@@ -93,6 +93,7 @@ struct Service::Impl {
   std::unique_ptr<Waste> waste;
   std::unique_ptr<StorageQuota> quota;
   std::unique_ptr<Scans> scans;
+  std::unique_ptr<SlurmCluster> slurm;  // nullptr: jobs are done here
   std::unique_ptr<Batch> batch;
   std::unique_ptr<Exports> exports;
   std::unique_ptr<HttpWorld> world;
@@ -145,11 +146,12 @@ struct Service::Impl {
         static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000,
         [this] { return results.scan_sizes(); }, threads);
     const Storage storage{data, store, blobs, *waste, *quota};
-    if (const Status recovered = recover_batch(storage); !recovered.ok())
+    if (const Status recovered = recover_batch(storage, jobs_elsewhere(options)); !recovered.ok())
       throw SetupError(recovered.error());
     scans = std::make_unique<Scans>(scans_options(options), storage, metrics, threads);
-    batch =
-        std::make_unique<Batch>(options.job_workers, upload_limits(options), storage, *scans, post);
+    slurm = slurm_of(options, store);
+    batch = std::make_unique<Batch>(batch_options(options, upload_limits(options), slurm.get()),
+                                    storage, *scans, post);
     exports = std::make_unique<Exports>(blobs, export_hooks(threads.network));
     if (!options.mesh_on_demand)
       scans->when_finished([this](const ScanRow& scan) { exports->make_mesh(scan); });
@@ -162,6 +164,11 @@ struct Service::Impl {
     // on.
     if (options.stop_on_signals)
       for (const int signal : {SIGINT, SIGTERM, SIGHUP}) signals.add(signal);
+  }
+
+  // Its thread posts to the context, which goes before it.
+  ~Impl() {
+    if (slurm) slurm->stop();
   }
 
   void open_audit() {

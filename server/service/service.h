@@ -55,8 +55,17 @@ struct ServiceOptions {
   int scans_per_token = 2;
   // Space for the files of all scans and uploads; 0: no limit but the disk's.
   int storage_gb = 0;
-  int job_workers = 1;     // jobs that run at once; each takes one of max_scans
-  int max_upload_gb = 20;  // per upload
+  int job_workers = 1;  // jobs that run at once; each takes one of max_scans
+  // Who does the jobs of recordings: "local", this process, or "slurm", a cluster (server/slurm).
+  std::string batch = "local";
+  std::string slurm_folder;                  // that all nodes share; empty: data_folder/slurm
+  std::string slurm_program;                 // hermite on the nodes; empty: this program's own path
+  std::string slurm_partition;               // empty: the cluster's default
+  std::vector<std::string> slurm_arguments;  // more arguments of sbatch
+  int slurm_jobs = 16;                       // in the cluster at once
+  int slurm_time_limit_min = 0;              // 0: that of the partition
+  int slurm_memory_mb = 0;                   // of a job; 0: from what earlier jobs have taken
+  int max_upload_gb = 20;                    // per upload
   // All stored uploads of one token; 0: no limit but the disk's.
   int uploads_per_token_gb = 20;
   int keep_upload_hours = 24;  // after it was last used

@@ -116,6 +116,35 @@ std::vector<SettingRow> rows_of_jobs() {
   };
 }
 
+// The cluster that jobs are handed to.
+std::vector<SettingRow> rows_of_cluster() {
+  using O = ServiceOptions;
+  return {
+      {"batch",
+       &O::batch,
+       "who does the jobs of recordings: local: this server; slurm: the nodes of a Slurm cluster",
+       0,
+       0,
+       "",
+       {"local", "slurm"}},
+      {"slurm-folder", &O::slurm_folder,
+       "folder that this machine and all nodes have under the same name, for what they exchange; "
+       "empty: slurm in the folder of data"},
+      {"slurm-program", &O::slurm_program,
+       "the program hermite on the nodes; empty: at the same path as here"},
+      {"slurm-partition", &O::slurm_partition, "partition for the jobs; empty: Slurm's default"},
+      {"slurm-arguments", &O::slurm_arguments,
+       "more arguments of sbatch, each with its value: --gres=gpu:1"},
+      {"slurm-jobs", &O::slurm_jobs, "jobs in the cluster at once, waiting ones included", 1, 256,
+       "jobs"},
+      {"slurm-time-limit", &O::slurm_time_limit_min,
+       "time that a job asks for; 0: the partition's own", 0, 43'200, "minutes"},
+      {"slurm-memory", &O::slurm_memory_mb,
+       "memory that a job asks for; 0: half as much again as earlier ones have taken", 0, 1'000'000,
+       "MB"},
+  };
+}
+
 // The lines on stderr.
 std::vector<SettingRow> rows_of_logs() {
   using O = ServiceOptions;
@@ -167,8 +196,9 @@ std::vector<SettingRow> rows_of_places() {
 const std::vector<SettingRow>& setting_rows() {
   static const std::vector<SettingRow> table = [] {
     std::vector<SettingRow> all;
-    for (const auto& rows_of_group : {rows_of_addresses, rows_of_scans, rows_of_encryption,
-                                      rows_of_shares, rows_of_jobs, rows_of_logs, rows_of_places})
+    for (const auto& rows_of_group :
+         {rows_of_addresses, rows_of_scans, rows_of_encryption, rows_of_shares, rows_of_jobs,
+          rows_of_cluster, rows_of_logs, rows_of_places})
       for (SettingRow& row : rows_of_group()) all.push_back(std::move(row));
     return all;
   }();
