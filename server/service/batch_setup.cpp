@@ -1,5 +1,6 @@
 #include "server/service/batch_setup.h"
 
+#include <chrono>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -41,6 +42,7 @@ SlurmOptions slurm_options(const ServiceOptions& options) {
   slurm.gpu_memory_mb = options.gpu_memory_mb / options.max_scans;
   slurm.checkpoint_period_ms = options.checkpoint_period_ms;
   slurm.min_free_disk_mb = options.min_free_disk_mb;
+  slurm.poll_period = std::chrono::milliseconds(options.slurm_poll_ms);
   return slurm;
 }
 

@@ -74,6 +74,7 @@ struct ServiceOptions {
   std::string log_format = "auto";  // auto, json or text
   std::string log_level = "info";   // debug, info, warn or error
   bool insecure_listen = false;     // allow other addresses than loopback ones without TLS
+  int slurm_poll_ms = 2000;         // how often the cluster is asked. Not a setting.
   // SIGINT, SIGTERM; SIGHUP reloads the certificate. Not a setting.
   bool stop_on_signals = true;
 };

@@ -13,6 +13,10 @@ namespace {
 // Slurm may show a state briefly that is not the last one, as before it puts a job back into its
 // queue; and a node's file may be seen a moment later here.
 constexpr int kPollsToBelieve = 2;
+// A shared file system may show a new file much later: NFS remembers for up to a minute what a
+// folder has. So often, and in these intervals, the outcome of a run is looked for.
+constexpr int kMostMissing = 40;
+constexpr std::chrono::seconds kMissingPause(2);
 constexpr int kMostTold = 50;  // lines about one attempt
 
 }  // namespace
@@ -88,7 +92,7 @@ void SlurmWork::begun(const Result<Begun>& begun) {
     return end({JobState::kQueued, begun.error().message, true});
   }
   attempt_ = begun->attempt;
-  restarts_ = told_count_ = 0;
+  restarts_ = told_count_ = missing_count_ = 0;
   may_be_submitted_ = begun->is_old;
   submit();
 }
@@ -123,7 +127,7 @@ void SlurmWork::submitted(const Result<std::string>& number) {
 void SlurmWork::tick() {
   if (is_busy_ || ended_) return;
   if (submit_at_ && Clock::now() >= *submit_at_) return submit();
-  if (!is_submitted_) return;
+  if (!is_submitted_ || Clock::now() < look_at_) return;
   if (const std::optional<SeenJob> seen = cluster_.seen(attempt_->name)) look(*seen);
 }
 
@@ -150,8 +154,6 @@ void SlurmWork::look(const SeenJob& seen) {
   }
   const bool is_plain = seen.job && seen.job->state == "COMPLETED";
   if (!is_plain && seen.same_count < kPollsToBelieve) return;
-  cluster_.forget(attempt_->name);
-  is_submitted_ = false;
   read_end(seen.job);
 }
 
@@ -171,6 +173,13 @@ void SlurmWork::ended_there(const std::optional<SlurmJob>& job, int run,
                             const Result<NodeOutcome>& outcome) {
   if (outcome.ok() && outcome->peak_memory_bytes > 0)
     cluster_.memory_taken(outcome->peak_memory_bytes);
+  const bool is_missing = !outcome.ok() && outcome.error().code == ErrorCode::kNotFound;
+  if (is_missing && job && job->state == "COMPLETED" && ++missing_count_ < kMostMissing) {
+    look_at_ = Clock::now() + kMissingPause;
+    return;
+  }
+  cluster_.forget(attempt_->name);
+  is_submitted_ = false;
   if (outcome.ok() && outcome->end == NodeEnd::kFinished) return take_in(*outcome, run);
   if (outcome.ok())
     for (const std::string& line : outcome->lines) events_.log(line);

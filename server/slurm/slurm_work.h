@@ -81,6 +81,8 @@ class SlurmWork : public JobWork {
   int memory_mb_ = 0;
   std::chrono::seconds pause_ = kFirstSubmitPause;
   std::optional<Clock::time_point> submit_at_;
+  int missing_count_ = 0;  // how often a finished run had no outcome yet
+  Clock::time_point look_at_;
   std::string told_;  // the last trouble in the job's log
   int restarts_ = 0, told_count_ = 0;
 };

@@ -64,7 +64,7 @@ class LocalWorld {
                     : "CREATE TRIGGER full BEFORE UPDATE ON jobs BEGIN SELECT RAISE(FAIL, 'no "
                       "room'); END");
   }
-  std::set<std::string> finished_scans;
+  std::set<std::string> finished_scans, elsewhere, refused;  // the latter by the id of the job
   bool has_room = false;
 
  private:
@@ -101,7 +101,8 @@ class LocalWorld {
   void start() {
     store_ = std::make_unique<Store>(folder_ / "db");
     const JobScans scans{[this](const std::string& id) { return finished_scans.contains(id); },
-                         [this](const std::string& id) { removed_scans_.push_back(id); }};
+                         [this](const std::string& id) { removed_scans_.push_back(id); },
+                         [this](const JobRow& row) { return elsewhere.contains(row.id); }};
     ASSERT_TRUE(recover_jobs(*store_, scans, ++now_ms_).ok());
     LocalExecutor::Hooks hooks;
     hooks.start = [this](const JobRow& row, JobEvents events) {
@@ -112,6 +113,7 @@ class LocalWorld {
     hooks.now_ms = [this] { return ++now_ms_; };
     hooks.new_scan_id = new_scan_id;
     hooks.post = [this](std::function<void()> action) { posted_.push_back(std::move(action)); };
+    hooks.has_room = [this](const JobRow& row) { return !refused.contains(row.id); };
     executor_ = std::make_unique<LocalExecutor>(2, *store_, hooks);
   }
 
@@ -169,6 +171,30 @@ TEST_F(LocalExecutorTest, AJobWhoseScanWasFinishedWhenTheServerDiedIsNotDoneAgai
   world_.settle();
   EXPECT_EQ(world_.executor().status(id)->row.state, JobState::kFinished);
   EXPECT_EQ(world_.started().size(), 1u);
+}
+
+TEST_F(LocalExecutorTest, AJobThatOtherMachinesDoIsNoAttemptHoweverOftenTheServerDies) {
+  const std::string id = submit(Work::kGoesOn);
+  world_.elsewhere.insert(id);
+  for (int i = 0; i < 2 * kMaxAttempts; ++i) {
+    world_.settle();
+    world_.die();
+  }
+  world_.settle();
+  EXPECT_EQ(world_.executor().status(id)->row.state, JobState::kRunning);
+  EXPECT_EQ(world_.executor().status(id)->row.attempt_count, 1);
+}
+
+TEST_F(LocalExecutorTest, OneThatHasNoRoomDoesNotHoldUpThoseBehindIt) {
+  const std::string first = submit(Work::kGoesOn, 10), second = submit(Work::kFinishes);
+  world_.refused.insert(first);
+  world_.settle();
+  EXPECT_EQ(world_.executor().status(first)->row.state, JobState::kQueued);
+  EXPECT_EQ(world_.executor().status(second)->row.state, JobState::kFinished);
+  world_.refused.clear();
+  world_.settle();
+  EXPECT_EQ(world_.executor().status(first)->row.state, JobState::kRunning);
+  EXPECT_EQ(world_.local().count_running([&](const JobRow& row) { return row.id == first; }), 1u);
 }
 
 TEST_F(LocalExecutorTest, AJobGoesOnWithItsScan) {
