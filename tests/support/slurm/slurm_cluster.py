@@ -134,6 +134,7 @@ class Cluster:
         self.kill(node)
         for process in processes_with(f"slurmstepd: [{number}."):
             os.kill(process, signal.SIGKILL)
+            self.wait(lambda ending=process: has_ended(ending), "slurmstepd is gone")
 
     def end(self):
         for name in list(self.processes):
@@ -147,6 +148,14 @@ class Cluster:
                 except subprocess.TimeoutExpired:
                     self.processes[name].kill()
                     self.processes[name].wait()
+
+
+def has_ended(process):
+    try:
+        with open(f"/proc/{process}/stat", encoding="ascii") as file:
+            return file.read().rsplit(")", 1)[1].split()[0] == "Z"
+    except OSError:
+        return True
 
 
 def processes_with(text):
