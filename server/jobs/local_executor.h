@@ -1,6 +1,6 @@
-// Runs jobs in this process: a limited number at once, by priority, then by age. Jobs are rows of
-// the store, so that queued ones survive the server. A job that was running when its server died is
-// retried, kMaxAttempts attempts in all. Belongs to the network thread.
+// The queue of this server's jobs: a limited number at once, by priority, then by age. This process
+// or others do their work (server/slurm). Jobs are rows of the store, so that queued ones survive
+// the server; one that ran is retried, kMaxAttempts in all. Belongs to the network thread.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,6 @@
 #include "server/service/batch_setup.h"
 
+#include <boost/asio/ip/host_name.hpp>
 #include <chrono>
 #include <filesystem>
 #include <set>
@@ -25,9 +26,16 @@ std::string shared_folder(const ServiceOptions& options) {
       .string();
 }
 
+// By its machine and its data.
+std::string name_of_server(const ServiceOptions& options) {
+  return boost::asio::ip::host_name() + ":" +
+         fs::absolute(options.data_folder).lexically_normal().string();
+}
+
 SlurmOptions slurm_options(const ServiceOptions& options) {
   SlurmOptions slurm;
   slurm.folder = shared_folder(options);
+  if (!options.slurm_folder.empty()) slurm.owner = name_of_server(options);
   slurm.program = options.slurm_program;
   std::error_code error;
   if (slurm.program.empty()) slurm.program = fs::read_symlink("/proc/self/exe", error).string();

@@ -7,6 +7,8 @@
 #include <system_error>
 #include <utility>
 
+#include "core/dataset/text_file.h"
+#include "core/output/ply.h"
 #include "server/slurm/process.h"
 
 namespace hermite::server {
@@ -32,6 +34,22 @@ Result<std::string> ask_slurm(const std::vector<std::string>& command) {
                    (said.empty() ? "exit status " + std::to_string(result->exit_status) : said)};
 }
 
+// Two servers would dismiss each other's jobs.
+void own_folder(const SlurmOptions& options) {
+  if (options.owner.empty()) return;
+  const std::string path = options.folder + "/owner";
+  const Result<std::string> owner = dataset::read_text_file(path, kMaxNodeMessageBytes);
+  if (owner.ok() && *owner == options.owner) return;
+  if (owner.ok())
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      "setting slurm-folder: " + options.folder + " is that of the server " +
+                          *owner + ", this is " + options.owner +
+                          ": give each server a folder of its own, or remove " + path +
+                          " if it was moved here"});
+  if (owner.error().code != ErrorCode::kNotFound) throw SetupError(owner.error());
+  or_throw(output::write_file_atomically(path, options.owner));
+}
+
 }  // namespace
 
 SlurmCluster::SlurmCluster(SlurmOptions options, const std::set<std::string>& living_jobs)
@@ -42,6 +60,7 @@ SlurmCluster::SlurmCluster(SlurmOptions options, const std::set<std::string>& li
   if (error)
     throw SetupError(
         {ErrorCode::kIo, "creating the folder " + options_.folder + ": " + error.message()});
+  own_folder(options_);
   for (const std::string& job : jobs_in(options_.folder))
     if (!living_jobs.contains(job)) dismiss(job);
   thread_ = std::thread([this] { work(); });

@@ -27,9 +27,10 @@
 namespace hermite::server {
 
 struct SlurmOptions {
-  std::string folder;                  // that all nodes see under the same name
-  std::string program;                 // hermite, on the nodes
-  std::string partition;               // empty: the cluster's default
+  std::string folder;     // that all nodes see under the same name
+  std::string owner;      // names this server in its folder; empty: the folder is surely its own
+  std::string program;    // hermite, on the nodes
+  std::string partition;  // empty: the cluster's default
   std::vector<std::string> arguments;  // more arguments of sbatch
   int time_limit_min = 0;              // 0: that of the partition
   int memory_mb = 0;                   // for each job; 0: from what jobs have taken
@@ -53,8 +54,9 @@ struct SeenJob {
 
 class SlurmCluster {
  public:
-  // Creates the folder. Attempts of jobs that are not among `living_jobs` are dismissed. Throws
-  // SetupError. The functions are for the network thread unless stated otherwise.
+  // Creates the folder. Attempts of jobs that are not among `living_jobs` are dismissed, so the
+  // folder must be of this server alone. Throws SetupError, also if another one has written its
+  // name there. The functions are for the network thread unless stated otherwise.
   SlurmCluster(SlurmOptions options, const std::set<std::string>& living_jobs);
   ~SlurmCluster();  // stop()
   SlurmCluster(const SlurmCluster&) = delete;

@@ -198,6 +198,8 @@ void SlurmWork::ended_there(const std::optional<SlurmJob>& job, int run,
 }
 
 void SlurmWork::take_in(const NodeOutcome& outcome, int run) {
+  if (const Status room = world_.scans.room().check_disk(); !room.ok())
+    return end({JobState::kQueued, room.error().message, true});
   world_.scans.remove_unwanted(row_.scan_id);  // what a server left that died while it took it
   on_cluster<Status>(
       [folder = run_folder(attempt_->folder, run) + "/" + kResultName, scan = row_.scan_id,

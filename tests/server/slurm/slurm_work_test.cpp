@@ -170,5 +170,35 @@ TEST_F(SlurmWorkTest, TheNextServerSubmitsNothingAgainAndACancelledJobLeavesSlur
   EXPECT_TRUE(comes_to([this] { return fs::is_empty(folder_ / "data/slurm"); }));
 }
 
+TEST(SlurmCluster, TheFolderOfAnotherServerIsRefused) {
+  const test::TemporaryFolder folder;
+  SlurmOptions options;
+  options.folder = folder / "shared";
+  options.owner = "one:/data";
+  { const SlurmCluster cluster(options, {}); }
+  { const SlurmCluster cluster(options, {}); }
+  options.owner = "two:/data";
+  try {
+    const SlurmCluster cluster(options, {});
+    ADD_FAILURE() << "both would dismiss each other's jobs";
+  } catch (const SetupError& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("one:/data"), HasSubstr("two:/data")));
+  }
+}
+
+TEST(SlurmCluster, JobsAskForWhatEarlierOnesHaveTaken) {
+  const test::TemporaryFolder folder;
+  SlurmOptions options;
+  options.folder = folder / "shared";
+  SlurmCluster cluster(options, {});
+  EXPECT_EQ(cluster.memory_request_mb(), kFirstMemory_mb);
+  cluster.memory_taken(2'000'000'000);
+  EXPECT_EQ(cluster.memory_request_mb(), 3000);
+  cluster.memory_taken(4'000'000'000);
+  EXPECT_EQ(cluster.memory_request_mb(), 3750);
+  for (int i = 0; i < 50; ++i) cluster.memory_taken(1'000'000);
+  EXPECT_EQ(cluster.memory_request_mb(), kLeastMemory_mb);
+}
+
 }  // namespace
 }  // namespace hermite::server::slurm_work_test
