@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -24,7 +25,8 @@ namespace fs = std::filesystem;
 
 constexpr const char *kAttemptPrefix = "attempt-", *kRunPrefix = "run-", *kNumberName = "number",
                      *kClosedName = "closed";
-constexpr std::size_t kNameDigits = 8;  // of the random part of a name
+constexpr std::streamoff kLastWordsBytes = 200;  // as clean_title() leaves
+constexpr std::size_t kNameDigits = 8;           // of the random part of a name
 
 // Numbers behind a prefix in the names of folders, ascending.
 std::vector<int> numbers_in(const std::string& folder, const std::string& prefix) {
@@ -183,6 +185,19 @@ Result<JobStage> read_progress(const std::string& attempt_folder, int run) {
       run_folder(attempt_folder, run) + "/" + kProgressName, kMaxNodeMessageBytes);
   if (!text.ok()) return text.error();
   return parse_stage(*text);
+}
+
+std::string last_words(const std::string& attempt_folder) {
+  std::ifstream file(attempt_folder + "/" + kOutputName, std::ios::binary | std::ios::ate);
+  const std::streamoff length = file.tellg();
+  if (length <= 0) return {};
+  const std::streamoff from = std::max<std::streamoff>(0, length - kLastWordsBytes);
+  std::string text(static_cast<std::size_t>(length - from), '\0');
+  file.seekg(from);
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
 }
 
 std::optional<std::string> run_to_go_on_from(const std::string& attempt_folder, int run,

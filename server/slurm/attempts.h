@@ -77,6 +77,9 @@ int newest_run(const std::string& attempt_folder);
 Result<NodeOutcome> read_outcome(const std::string& attempt_folder, int run);
 Result<JobStage> read_progress(const std::string& attempt_folder, int run);
 
+// The end of what the processes of an attempt have printed, of a bounded length; empty: nothing.
+std::string last_words(const std::string& attempt_folder);
+
 // The folder of the newest earlier run of this job that has left a checkpoint of the scan.
 std::optional<std::string> run_to_go_on_from(const std::string& attempt_folder, int run,
                                              const std::string& scan_id);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/jobs/job_request.h"
 #include "server/slurm/take_result.h"
 #include "server/store/unix_time.h"
 
@@ -159,18 +160,17 @@ void SlurmWork::look(const SeenJob& seen) {
 
 // Of the last run, as Slurm counts; one that it has forgotten can only be the newest.
 void SlurmWork::read_end(const std::optional<SlurmJob>& job) {
-  using Read = std::pair<int, Result<NodeOutcome>>;
   events_.progress({"finishing"});
-  on_cluster<Read>(
+  on_cluster<Left>(
       [folder = attempt_->folder, job] {
         const int run = job ? job->restarts : newest_run(folder);
-        return Read(run, read_outcome(folder, run));
+        return Left{run, read_outcome(folder, run), last_words(folder)};
       },
-      [this, job](const Read& read) { ended_there(job, read.first, read.second); });
+      [this, job](const Left& left) { ended_there(job, left); });
 }
 
-void SlurmWork::ended_there(const std::optional<SlurmJob>& job, int run,
-                            const Result<NodeOutcome>& outcome) {
+void SlurmWork::ended_there(const std::optional<SlurmJob>& job, const Left& left) {
+  const Result<NodeOutcome>& outcome = left.outcome;
   if (outcome.ok() && outcome->peak_memory_bytes > 0)
     cluster_.memory_taken(outcome->peak_memory_bytes);
   const bool is_missing = !outcome.ok() && outcome.error().code == ErrorCode::kNotFound;
@@ -180,9 +180,11 @@ void SlurmWork::ended_there(const std::optional<SlurmJob>& job, int run,
   }
   cluster_.forget(attempt_->name);
   is_submitted_ = false;
-  if (outcome.ok() && outcome->end == NodeEnd::kFinished) return take_in(*outcome, run);
+  if (outcome.ok() && outcome->end == NodeEnd::kFinished) return take_in(*outcome, left.run);
   if (outcome.ok())
     for (const std::string& line : outcome->lines) events_.log(line);
+  else if (!left.last_words.empty())
+    events_.log("the last that it printed: " + clean_title(left.last_words));
   if (outcome.ok() && outcome->end == NodeEnd::kFailed)
     return end({JobState::kFailed, outcome->words});
   if (job && was_cancelled(*job)) return end({JobState::kFailed, end_words(*job)});

@@ -58,7 +58,13 @@ class SlurmWork : public JobWork {
   void look(const SeenJob& seen);
   void tell(const SlurmJob& job);
   void read_end(const std::optional<SlurmJob>& job);
-  void ended_there(const std::optional<SlurmJob>& job, int run, const Result<NodeOutcome>& outcome);
+  // What a run has left, read on the cluster's thread.
+  struct Left {
+    int run = 0;
+    Result<NodeOutcome> outcome;
+    std::string last_words;  // that it printed
+  };
+  void ended_there(const std::optional<SlurmJob>& job, const Left& left);
   void take_in(const NodeOutcome& outcome, int run);
   void taken(const NodeOutcome& outcome, const Status& status);
   void try_again(const std::string& why);

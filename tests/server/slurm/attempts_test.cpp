@@ -138,6 +138,16 @@ TEST_F(AttemptsTest, OutcomesAreReadAndWhatIsNoneIsRefused) {
   EXPECT_FALSE(parse_stage("{\"stage\": \"tracking\"}").ok());
 }
 
+TEST_F(AttemptsTest, TheLastWordsAreTheEndOfWhatWasPrinted) {
+  const Attempt attempt = create();
+  EXPECT_EQ(last_words(attempt.folder), "");
+  { std::ofstream(attempt.folder + "/output.txt") << "one line\n\n"; }
+  EXPECT_EQ(last_words(attempt.folder), "one line");
+  { std::ofstream(attempt.folder + "/output.txt") << std::string(100'000, 'x') << "end\n"; }
+  EXPECT_LE(last_words(attempt.folder).size(), 200u);
+  EXPECT_TRUE(last_words(attempt.folder).ends_with("xend"));
+}
+
 TEST_F(AttemptsTest, FilesAreLinkedOrCopied) {
   write("log/0001", "frames");
   ASSERT_TRUE(link_files(folder_ / "log", folder_ / "linked").ok());
