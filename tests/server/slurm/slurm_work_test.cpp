@@ -100,14 +100,19 @@ class SlurmWorkTest : public testing::Test {
     return json::parse(*client::api_request(target().server, "GET", "/api/v1/jobs/" + id, ""));
   }
   bool comes_to(const std::function<bool()>& condition) {
-    for (int i = 0; i < 2000 && !condition(); ++i)
+    for (int i = 0; i < 2000; ++i) {
+      if (condition()) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return condition();
+    }
+    return false;
   }
   json end_of(const std::string& id) {
-    EXPECT_TRUE(
-        comes_to([&] { return job(id)["state"] != "running" && job(id)["state"] != "queued"; }));
-    return job(id);
+    json last;
+    EXPECT_TRUE(comes_to([&] {
+      last = job(id);
+      return last["state"] != "running" && last["state"] != "queued";
+    }));
+    return last;
   }
 
   const std::string path_before_;
