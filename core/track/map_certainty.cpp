@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include "core/math/rigid3_fields.h"
@@ -298,7 +299,8 @@ void MapCertainty::keep(frame::CoarseView seen, const Rigid3& world_from_camera,
 // their surface counts as that of other views.
 void MapCertainty::drop_some() {
   std::vector<KeptView> kept;
-  std::vector<Eigen::Index> rows{0, 1};
+  std::vector<Eigen::Index> rows(kCameraDoubtCount);
+  std::iota(rows.begin(), rows.end(), Eigen::Index{0});
   std::vector<std::size_t> numbers;
   std::size_t known_view_count = 0;
   for (std::size_t k = 0; k < views_.size(); ++k) {

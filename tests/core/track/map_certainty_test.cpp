@@ -92,6 +92,18 @@ TEST(MapCertainty, OldGroundBoundsIt) {
   EXPECT_NEAR(back_m, at_first_m, 0.2 * at_first_m);
 }
 
+// Of more than 160 views some are dropped.
+TEST(MapCertainty, ALongWayThroughOneRoomStaysBounded) {
+  Walk walk;
+  double after_a_turn_m = 0, last_m = 0;
+  for (int i = 0; i <= 200; ++i) {
+    last_m = walk.see(at(0.4 * (i % 2), 0, 18 * i)).position_sigma_m();
+    if (i == 40) after_a_turn_m = last_m;
+  }
+  EXPECT_GT(last_m, 0);
+  EXPECT_LT(last_m, 1.5 * after_a_turn_m);
+}
+
 TEST(MapCertainty, GroundThatIsNotTrackedAgainstDoesNotBoundUntilALoopIsClosed) {
   Walk walk;
   const auto lap = [&walk](int from_deg, int to_deg) {
