@@ -70,6 +70,16 @@ TEST(CameraCheck, FindsALensThatDistorts) {
   EXPECT_EQ(check_camera(views, camera_of(""), Lenses::kTwo).change[kRadial], 0);
 }
 
+// Together they look like a focal length 2 to 3 % off.
+TEST(CameraCheck, FindsALensBesideABend) {
+  const char* both = "+lens=k1=-0.03+bend=percent=1.5";
+  const CameraCheck found = check_camera(views_of(both, 16), camera_of(""));
+  EXPECT_EQ(found.verdict, CameraVerdict::kIsOff);
+  EXPECT_NEAR(found.change[kRadial], -0.03, 0.005);
+  EXPECT_NEAR(found.change[kBend], 1 / 1.015 - 1, 0.002);
+  EXPECT_EQ(found.change[kFocal], 0);
+}
+
 // A camera that is moved fast.
 constexpr const char* kRun = "synthetic:speed=2,frames=90,width=320,height=240";
 
