@@ -25,7 +25,7 @@ import time
 from programs import Server, argument_parser, check, verdict
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../support/slurm"))
-from slurm_cluster import SKIPPED, Cluster, processes_with, why_not  # noqa: E402
+from slurm_cluster import SKIPPED, Cluster, DoesNotRun, processes_with, why_not  # noqa: E402
 
 PATIENCE_S = 120
 POLL_S = 2  # of the server
@@ -40,10 +40,10 @@ def sequence(frames, seed=1):
 class World:
     """The cluster, the server in front of it, and a recording of each length."""
 
-    def __init__(self, arguments, folder):
+    def __init__(self, arguments, folder, cluster):
         self.arguments = arguments
         self.folder = folder
-        self.cluster = Cluster(folder + "/cluster")
+        self.cluster = cluster
         self.recordings = {}
         self.server = Server(arguments.hermite, folder + "/data", settings=SETTINGS, environment=self.cluster.environment)
 
@@ -219,7 +219,12 @@ def main():
         return SKIPPED
     started = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
-        world = World(arguments, folder)
+        try:
+            cluster = Cluster(folder + "/cluster")
+        except DoesNotRun as error:
+            print("skipped: Slurm does not run on this machine:", error)
+            return SKIPPED
+        world = World(arguments, folder, cluster)
         try:
             cut_off = CutOff(world)
             with concurrent.futures.ThreadPoolExecutor() as both:

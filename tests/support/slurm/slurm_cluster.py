@@ -71,6 +71,10 @@ def free_ports(count):
     return ports
 
 
+class DoesNotRun(Exception):
+    """Slurm is installed, but does not run on this machine, as in a container that forbids what it needs."""
+
+
 class Cluster:
     def __init__(self, folder, cpus=1, memory_mb=16000):
         self.folder = folder
@@ -85,6 +89,14 @@ class Cluster:
             file.write(CONFIGURATION.format(host=socket.gethostname().split(".")[0], folder=folder, nodes=NODES, ports=free_ports(3), cpus=cpus,
                                             memory_mb=memory_mb))
         self.processes = {}
+        try:
+            self.start_all()
+        except (RuntimeError, subprocess.TimeoutExpired) as error:
+            self.end()
+            raise DoesNotRun(f"{error}\n{self.last_words()}") from error
+
+    def start_all(self):
+        folder = self.folder
         self.start("munged", "--foreground", "--force", f"--socket={folder}/munge.socket", f"--key-file={folder}/munge.key",
                    f"--pid-file={folder}/munge.pid", f"--log-file={folder}/munge.log", f"--seed-file={folder}/munge.seed", "--num-threads=2")
         self.wait(lambda: os.path.exists(folder + "/munge.socket"), "munged listens")
@@ -116,6 +128,14 @@ class Cluster:
     def ask(self, *command):
         answer = subprocess.run(command, env=self.environment, capture_output=True, text=True, timeout=PATIENCE_S)
         return answer.stdout
+
+    def last_words(self):
+        """The ends of what the daemons have printed."""
+        texts = []
+        for name in sorted(entry for entry in os.listdir(self.folder) if entry.endswith((".log", ".out"))):
+            with open(f"{self.folder}/{name}", encoding="utf-8", errors="replace") as file:
+                texts.append(f"{name}: {file.read()[-500:]}")
+        return "\n".join(texts)
 
     def jobs(self):
         """The fields of all jobs that the controller knows, by their number."""
