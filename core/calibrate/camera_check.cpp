@@ -178,19 +178,18 @@ bool pairs_gain(const Question& question, const FreeNumbers& is_free, const Join
   return true;
 }
 
-// What is lost in surfaces and in corners against a solution with more free parameters, as the mean
-// over all pairs.
-struct Loss {
-  double in_surfaces = 0, in_corners = 0;
-  double all() const { return in_surfaces + in_corners; }
+// The squares of all pairs, fitted and held out.
+struct Squares {
+  std::vector<double> in_surfaces, in_corners;
 };
 
-Loss loss_of(const Question& question, const JointSolution& simple, const JointSolution& full) {
-  std::vector<ViewPair> all = question.pairs.fitted;
-  all.insert(all.end(), question.pairs.held_back.begin(), question.pairs.held_back.end());
-  const HeldOutPairs pairs{question.views, all, question.camera};
-  return {gain_of(pairs, simple, full, ShowsIn::kSurfaces).mean,
-          gain_of(pairs, simple, full, ShowsIn::kCorners).mean};
+Squares squares_with(const Question& question, const JointSolution& solution) {
+  std::vector<ViewPair> pairs = question.pairs.fitted;
+  pairs.insert(pairs.end(), question.pairs.held_back.begin(), question.pairs.held_back.end());
+  const Camera camera = changed(question.camera, solution.change);
+  const std::vector<Rigid3>& poses = solution.world_from_camera;
+  return {squares_of(agreements_of(question.views, poses, pairs, camera)),
+          squares_of(corner_reprojections_of(question.views, poses, pairs, camera))};
 }
 
 struct Explanation {
@@ -209,6 +208,7 @@ Explanation simplest(const Question& question, const Explanation& with_all) {
                                           {true, true, false},
                                           {true, false, true},
                                           {false, true, true}}};
+  const Squares least = squares_with(question, with_all.solution);
   std::optional<Explanation> best;
   double least_loss = std::numeric_limits<double>::infinity();
   std::ptrdiff_t best_count = 0;
@@ -220,10 +220,12 @@ Explanation simplest(const Question& question, const Explanation& with_all) {
     trial.is_free[kRadial] = shape[1];
     trial.is_free[kBend] = shape[2];
     trial.solution = question.solve(question.pairs.fitted, trial.is_free, &with_all.solution);
-    const Loss loss = loss_of(question, trial.solution, with_all.solution);
-    if (std::max(loss.in_surfaces, loss.in_corners) > kMostLoss || loss.all() >= least_loss)
+    const Squares squares = squares_with(question, trial.solution);
+    const double in_surfaces = gain_of(squares.in_surfaces, least.in_surfaces).mean,
+                 in_corners = gain_of(squares.in_corners, least.in_corners).mean;
+    if (std::max(in_surfaces, in_corners) > kMostLoss || in_surfaces + in_corners >= least_loss)
       continue;
-    least_loss = loss.all();
+    least_loss = in_surfaces + in_corners;
     best_count = count;
     best = std::move(trial);
   }
