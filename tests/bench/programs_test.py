@@ -14,7 +14,7 @@ import unittest
 HERMITE, BENCH = sys.argv[1:3]
 SEQUENCE = "synthetic:frames=8,width=160,height=120"
 # What every machine has, and what sanitizers add.
-RUNTIME = {"libvulkan", "libstdc++", "libm", "libgcc_s", "libc", "libpthread", "libdl", "librt", "libasan", "libubsan"}
+RUNTIME = {"libvulkan", "libfmt", "libstdc++", "libm", "libgcc_s", "libc", "libpthread", "libdl", "librt", "libasan", "libubsan"}
 
 
 def run(*command):
@@ -75,7 +75,7 @@ class Bench(unittest.TestCase):
         self.assertEqual(neither.returncode, 2)
         self.assertIn("--dump-raw", neither.stderr)
 
-    def test_links_nothing_but_vulkan(self):
+    def test_links_nothing_but_vulkan_and_fmt(self):
         libraries = re.findall(r"^\s*(lib[^.\s]+)\.so", run("ldd", BENCH).stdout, re.MULTILINE)
         self.assertIn("libvulkan", libraries)
         self.assertEqual(set(libraries) - RUNTIME, set())
