@@ -69,8 +69,8 @@ const std::vector<Layer> kLayers{
     {"core/edit", {"core/mesh/mesh_parts.h", "core/output", "core/base"}},
     {"core/thumbnail", {"core/output", "core/image", "core/base"}},
     {"core/digest", {"core/base"}},
-    // Only plain headers of what needs more than Vulkan and Eigen: hermite_bench links this and
-    // nothing else.
+    // Only plain headers of what needs more than Vulkan, Eigen and fmt: hermite_bench links this
+    // and nothing else.
     {"core/pipeline",
      {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/calibrate/camera_watch.h",
       "core/calibrate/camera_numbers.h", "core/dataset/trajectory.h",

@@ -1,5 +1,5 @@
-// hermite_bench: times of the reconstruction on this machine's GPU. Links nothing but Vulkan and
-// Eigen.
+// hermite_bench: times of the reconstruction on this machine's GPU. Links nothing but Vulkan,
+// Eigen and fmt.
 #include <algorithm>
 #include <exception>
 #include <filesystem>
