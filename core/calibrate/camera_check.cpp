@@ -44,11 +44,6 @@ constexpr double kMostApart = 0.5, kMostApartDeviations = 3;
 // standard errors it must be. An undisturbed camera gives -0.2 to 0.1 %.
 constexpr double kLeastMeanGain = 0.005, kLeastMeanGainErrors = 3;
 
-// The same for a number of the timing beside a shape that is confirmed. It shows in the few fast
-// movements only: with a focal length 1 % off, a readout known to 3 % of its value gains 2.7
-// standard errors.
-constexpr double kLeastGainErrorsBesideShape = 2;
-
 // The deviations of an adjustment are too small where its pairs are few or err alike: with depth in
 // a tenth of the image, bend was 0.5 % off with a deviation of 0.16. And each answer counts the
 // views of the one before it again.
@@ -143,8 +138,9 @@ std::optional<MeasuredShape> measured(const Question& question, const FreeNumber
   return MeasuredShape{errors_of(-shape_of(all.change)), errors_of(deviations)};
 }
 
-bool is_certain(const PairGain& gain, double least_errors) {
-  return gain.pair_count >= kLeastPairsHeldBack && gain.mean >= least_errors * gain.standard_error;
+bool is_certain(const PairGain& gain) {
+  return gain.pair_count >= kLeastPairsHeldBack &&
+         gain.mean >= kLeastMeanGainErrors * gain.standard_error;
 }
 
 // Whether the held-out pairs agree better with the shape of the camera, and with each number of its
@@ -154,12 +150,11 @@ bool pairs_gain(const Question& question, const FreeNumbers& is_free, const Join
   const HeldOutPairs held_out{question.views, question.pairs.held_back, question.camera};
   FreeNumbers timing_alone = is_free;
   timing_alone[kFocal] = timing_alone[kRadial] = timing_alone[kBend] = false;
-  const bool has_shape = timing_alone != is_free;
-  if (has_shape) {
+  if (timing_alone != is_free) {
     const JointSolution without = question.solve(question.pairs.fitted, timing_alone, &found);
     const auto gains_in = [&](ShowsIn where) {
       const PairGain gain = gain_of(held_out, without, found, where);
-      return is_certain(gain, kLeastMeanGainErrors) && gain.mean >= kLeastMeanGain;
+      return is_certain(gain) && gain.mean >= kLeastMeanGain;
     };
     // Where walls are seen from the front, these two move corners but hardly a surface.
     const bool moves_corners = is_free[kFocal] || is_free[kRadial];
@@ -171,9 +166,7 @@ bool pairs_gain(const Question& question, const FreeNumbers& is_free, const Join
     FreeNumbers without = is_free;
     without[number] = false;
     const JointSolution as_it_was = question.solve(question.pairs.fitted, without, &found);
-    const PairGain gain = gain_of(held_out, as_it_was, found, where_shows(number));
-    if (!is_certain(gain, has_shape ? kLeastGainErrorsBesideShape : kLeastMeanGainErrors))
-      return false;
+    if (!is_certain(gain_of(held_out, as_it_was, found, where_shows(number)))) return false;
   }
   return true;
 }
