@@ -50,10 +50,10 @@ constexpr double kLeastMeanGain = 0.005, kLeastMeanGainErrors = 3;
 constexpr double kWider = 3;
 
 // A dozen views confuse focal length, distortion and bend: with a Kinect's noise all three together
-// are up to 0.8 %, 0.009 and 0.5 % off, while those that are off are found within a tenth when only
+// are up to 0.8 %, 0.009 and 0.5 % off, while those that are off are found within a sixth when only
 // they are free. So the fewest of them are taken that explain what all three do: that lose no more
 // than what these gain from noise, up to 0.3 % of the squares of surfaces and 0.2 % of those of
-// corners. Too few of them lose 1 to 7 % of either, and the wrong two 0.5 to 2.4 %.
+// corners. Too few of them lose 1 to 12 % of one of both.
 constexpr double kMostLoss = 0.005;
 
 constexpr std::size_t kLeastPairs = 24, kLeastPairsOfHalf = 12, kLeastPairsHeldBack = 6;
