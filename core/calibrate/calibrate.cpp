@@ -42,7 +42,6 @@ constexpr std::size_t kLeastViews = 8, kLeastFittedPairs = 16, kLeastHeldBackPai
 struct Trial {
   JointSolution solution;
   PairAgreement held_back;
-  double relative_rms() const { return held_back.relative_rms; }
 };
 
 class Search {
@@ -182,8 +181,9 @@ class Elimination {
     without[number] = false;
     Trial trial = search_.try_with(without, &best_);
     const bool is_needed =
-        is_timing(number) ? search_.gain_in_errors(trial, best_, number) >= kLeastGainErrors
-                          : trial.relative_rms() * (1 - kLeastGainOfOne) > best_.relative_rms();
+        is_timing(number)
+            ? search_.gain_in_errors(trial, best_, number) >= kLeastGainErrors
+            : trial.held_back.relative_rms * (1 - kLeastGainOfOne) > best_.held_back.relative_rms;
     if (is_needed) return;
     take_back({number, "the held-out pairs of views agree as well without it"});
     best_ = std::move(trial);
@@ -199,7 +199,7 @@ class Elimination {
 // The timing has been confirmed by the held-out pairs parameter by parameter; the others must also
 // matter together.
 bool agrees_better(const Trial& as_it_was, const Trial& best) {
-  return best.relative_rms() < (1 - kLeastGain) * as_it_was.relative_rms() &&
+  return best.held_back.relative_rms < (1 - kLeastGain) * as_it_was.held_back.relative_rms &&
          best.held_back.relative_median <= as_it_was.held_back.relative_median;
 }
 
