@@ -53,8 +53,7 @@ Command add_work_command(CLI::App& app) {
   work.add_option("FOLDER", *folder, "Folder of an attempt, which the server has made")->required();
   work.footer(
       "The exit status is 0 if there is a result, or if the recording is at fault; 75 if the job "
-      "is "
-      "to go on elsewhere.");
+      "is to go on elsewhere.");
   return {&work, [folder] { return run_work(*folder); }};
 }
 

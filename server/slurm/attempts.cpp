@@ -1,5 +1,6 @@
 #include "server/slurm/attempts.h"
 
+#include <fmt/core.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -45,7 +46,7 @@ std::vector<int> numbers_in(const std::string& folder, const std::string& prefix
 }
 
 std::string attempt_folder_of(const std::string& job_folder, int number) {
-  return job_folder + "/" + kAttemptPrefix + std::to_string(number);
+  return fmt::format("{}/{}{}", job_folder, kAttemptPrefix, number);
 }
 
 Status make_folder(const std::string& folder) {
@@ -66,23 +67,20 @@ Status place_files(const std::string& from, const std::string& to, Place place) 
     const std::string name = entry->path().filename();
     if (Status placed = place(from + "/" + name, to + "/" + name); !placed.ok()) return placed;
   }
-  if (error) return Error{ErrorCode::kIo, "reading " + from + ": " + error.message()};
+  if (error) return Error{ErrorCode::kIo, fmt::format("reading {}: {}", from, error.message())};
   return sync_path(to);
 }
 
 Status copy_one(const std::string& from, const std::string& to) {
   std::error_code error;
   fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-  if (error) return Error{ErrorCode::kIo, "copying " + from + ": " + error.message()};
+  if (error) return Error{ErrorCode::kIo, fmt::format("copying {}: {}", from, error.message())};
   return sync_path(to);
 }
 
 std::optional<Attempt> attempt_in(const std::string& job_folder, int number) {
   Attempt attempt{attempt_folder_of(job_folder, number), number, {}};
-  const Result<std::string> text =
-      dataset::read_text_file(attempt.folder + "/" + kOrderName, kMaxNodeMessageBytes);
-  if (!text.ok()) return std::nullopt;
-  const Result<NodeOrder> order = parse_order(*text);
+  const Result<NodeOrder> order = read_order(attempt.folder);
   if (!order.ok()) return std::nullopt;
   attempt.name = order->name;
   return attempt;
@@ -91,7 +89,7 @@ std::optional<Attempt> attempt_in(const std::string& job_folder, int number) {
 }  // namespace
 
 std::string run_folder(const std::string& attempt_folder, int run) {
-  return attempt_folder + "/" + kRunPrefix + std::to_string(run);
+  return fmt::format("{}/{}{}", attempt_folder, kRunPrefix, run);
 }
 
 // The order comes last: an attempt without one was never submitted, and is not used.
@@ -101,8 +99,8 @@ Result<Attempt> create_attempt(const std::string& job_folder, NodeOrder order,
   Attempt attempt;
   attempt.number = numbers.empty() ? 1 : numbers.back() + 1;
   attempt.folder = attempt_folder_of(job_folder, attempt.number);
-  attempt.name = "hermite-" + order.job.id + "-" + std::to_string(attempt.number) + "-" +
-                 new_scan_id().substr(0, kNameDigits);
+  attempt.name = fmt::format("hermite-{}-{}-{}", order.job.id, attempt.number,
+                             new_scan_id().substr(0, kNameDigits));
   order.name = attempt.name;
   for (const std::string& folder : {job_folder, attempt.folder})
     if (Status made = make_folder(folder); !made.ok()) return made.error();
@@ -171,6 +169,13 @@ std::vector<std::string> jobs_in(const std::string& folder) {
 int newest_run(const std::string& attempt_folder) {
   const std::vector<int> runs = numbers_in(attempt_folder, kRunPrefix);
   return runs.empty() ? -1 : runs.back();
+}
+
+Result<NodeOrder> read_order(const std::string& attempt_folder) {
+  const Result<std::string> text =
+      dataset::read_text_file(attempt_folder + "/" + kOrderName, kMaxNodeMessageBytes);
+  if (!text.ok()) return text.error();
+  return parse_order(*text);
 }
 
 Result<NodeOutcome> read_outcome(const std::string& attempt_folder, int run) {

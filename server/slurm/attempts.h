@@ -73,6 +73,9 @@ std::vector<std::string> jobs_in(const std::string& folder);
 // The number of the newest run of an attempt; -1: none has begun.
 int newest_run(const std::string& attempt_folder);
 
+// What the server has written for the nodes. kNotFound, kCorruptData.
+Result<NodeOrder> read_order(const std::string& attempt_folder);
+
 // What a run has written; kNotFound: nothing yet. kCorruptData.
 Result<NodeOutcome> read_outcome(const std::string& attempt_folder, int run);
 Result<JobStage> read_progress(const std::string& attempt_folder, int run);

@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "core/base/sync_path.h"
-#include "core/dataset/text_file.h"
 #include "core/log/frame_log_reader.h"
 #include "core/output/ply.h"
 #include "server/disk/storage.h"
@@ -226,13 +225,6 @@ class NodeServer {
   std::string told_;
   std::chrono::steady_clock::time_point told_at_;
 };
-
-Result<NodeOrder> read_order(const std::string& attempt_folder) {
-  const Result<std::string> text =
-      dataset::read_text_file(attempt_folder + "/" + kOrderName, kMaxNodeMessageBytes);
-  if (!text.ok()) return text.error();
-  return parse_order(*text);
-}
 
 // The scan of a finished run as its result.
 Status keep_result(const NodeOrder& order, const std::string& folder) {

@@ -1,6 +1,7 @@
 #include "server/slurm/process.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
@@ -61,7 +62,8 @@ Result<pid_t> spawn(const std::vector<std::string>& arguments, const OutputPipe&
   if (failure == ENOENT)
     return Error{ErrorCode::kNotFound, arguments.front() + " is not installed here"};
   if (failure != 0)
-    return Error{ErrorCode::kIo, "starting " + arguments.front() + ": " + std::strerror(failure)};
+    return Error{ErrorCode::kIo,
+                 fmt::format("starting {}: {}", arguments.front(), std::strerror(failure))};
   return child;
 }
 
@@ -85,9 +87,8 @@ Status read_streams(const std::string& program, const OutputPipe& output, const 
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - ProcessClock::now());
     if (left.count() <= 0)
-      return Error{ErrorCode::kUnavailable, program + " did not answer within " +
-                                                std::to_string(limits.patience.count() / 1000) +
-                                                " s"};
+      return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer within {} s", program,
+                                                        limits.patience.count() / 1000)};
     if (poll(streams.data(), streams.size(), static_cast<int>(left.count()) + 1) < 0) {
       if (errno == EINTR) continue;
       return errno_error("waiting for " + program);
@@ -97,7 +98,7 @@ Status read_streams(const std::string& program, const OutputPipe& output, const 
       if (!take_some(streams[i].fd, *texts[i])) streams[i].fd = -1;
       if (texts[i]->size() > limits.max_bytes)
         return Error{ErrorCode::kTooLarge,
-                     program + " printed more than " + std::to_string(limits.max_bytes) + " bytes"};
+                     fmt::format("{} printed more than {} bytes", program, limits.max_bytes)};
     }
   }
   return Done{};

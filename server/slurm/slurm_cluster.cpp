@@ -1,5 +1,6 @@
 #include "server/slurm/slurm_cluster.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -29,9 +30,10 @@ Result<std::string> ask_slurm(const std::vector<std::string>& command) {
   if (!result.ok()) return result.error();
   if (result->exit_status == 0) return result->output;
   const std::string said = said_words(result->errors);
-  return Error{ErrorCode::kUnavailable,
-               command.front() + " failed: " +
-                   (said.empty() ? "exit status " + std::to_string(result->exit_status) : said)};
+  return Error{
+      ErrorCode::kUnavailable,
+      fmt::format("{} failed: {}", command.front(),
+                  said.empty() ? fmt::format("exit status {}", result->exit_status) : said)};
 }
 
 // Two servers would dismiss each other's jobs.
@@ -42,10 +44,10 @@ void own_folder(const SlurmOptions& options) {
   if (owner.ok() && *owner == options.owner) return;
   if (owner.ok())
     throw SetupError({ErrorCode::kInvalidArgument,
-                      "setting slurm-folder: " + options.folder + " is that of the server " +
-                          *owner + ", this is " + options.owner +
-                          ": give each server a folder of its own, or remove " + path +
-                          " if it was moved here"});
+                      fmt::format("setting slurm-folder: {} is that of the server {}, this is {}: "
+                                  "give each server a folder of its own, or remove {} if it was "
+                                  "moved here",
+                                  options.folder, *owner, options.owner, path)});
   if (owner.error().code != ErrorCode::kNotFound) throw SetupError(owner.error());
   or_throw(output::write_file_atomically(path, options.owner));
 }
@@ -58,8 +60,8 @@ SlurmCluster::SlurmCluster(SlurmOptions options, const std::set<std::string>& li
   fs::create_directories(options_.folder, error);
   if (!error) fs::permissions(options_.folder, fs::perms::owner_all, error);
   if (error)
-    throw SetupError(
-        {ErrorCode::kIo, "creating the folder " + options_.folder + ": " + error.message()});
+    throw SetupError({ErrorCode::kIo,
+                      fmt::format("creating the folder {}: {}", options_.folder, error.message())});
   own_folder(options_);
   for (const std::string& job : jobs_in(options_.folder))
     if (!living_jobs.contains(job)) dismiss(job);
@@ -143,7 +145,7 @@ Result<std::string> SlurmCluster::number_in_cluster(const Attempt& attempt) {
 Result<std::string> SlurmCluster::submit_anew(const Attempt& attempt, int memory_mb) {
   SlurmRequest request;
   request.name = attempt.name;
-  request.comment = "hermite, attempt " + std::to_string(attempt.number);
+  request.comment = fmt::format("hermite, attempt {}", attempt.number);
   request.folder = attempt.folder;
   request.partition = options_.partition;
   request.arguments = options_.arguments;

@@ -1,5 +1,7 @@
 #include "server/slurm/slurm_text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -26,12 +28,6 @@ constexpr std::array kOverStates = {"COMPLETED",     "CANCELLED", "FAILED",    "
                                     "PREEMPTED",     "NODE_FAIL", "BOOT_FAIL", "DEADLINE",
                                     "OUT_OF_MEMORY", "REVOKED"};
 
-std::string joined_by(const std::vector<std::string>& words, const char* between) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
-}
-
 std::string quoted_for_shell(const std::string& text) {
   std::string quoted = "'";
   for (const char letter : text)
@@ -43,7 +39,7 @@ std::string exported_variables() {
   std::vector<std::string> names;
   for (const char* name : kExported)
     if (std::getenv(name)) names.emplace_back(name);
-  return names.empty() ? "NONE" : joined_by(names, ",");
+  return names.empty() ? "NONE" : fmt::format("{}", fmt::join(names, ","));
 }
 
 std::vector<std::string> fields_of(std::string_view line) {
@@ -69,35 +65,40 @@ std::vector<std::string> sbatch_command(const SlurmRequest& request) {
                                       "--comment=" + request.comment,
                                       "--chdir=" + request.folder,
                                       std::string("--output=") + kOutputName,
-                                      "--mem=" + std::to_string(request.memory_mb)};
+                                      fmt::format("--mem={}", request.memory_mb)};
   if (!request.partition.empty()) command.push_back("--partition=" + request.partition);
   if (request.time_limit_min > 0)
-    command.push_back("--time=" + std::to_string(request.time_limit_min));
+    command.push_back(fmt::format("--time={}", request.time_limit_min));
   command.insert(command.end(), request.arguments.begin(), request.arguments.end());
   command.push_back(request.folder + "/" + kScriptName);
   return command;
 }
 
 std::vector<std::string> squeue_command(const std::vector<std::string>& names) {
-  return {"squeue",   "--me",       "--noheader", "--states=all", "--name=" + joined_by(names, ","),
-          "--Format", kSqueueFormat};
+  return {"squeue",
+          "--me",
+          "--noheader",
+          "--states=all",
+          fmt::format("--name={}", fmt::join(names, ",")),
+          "--Format",
+          kSqueueFormat};
 }
 
 std::vector<std::string> scancel_command(const std::vector<std::string>& names) {
-  return {"scancel", "--quiet", "--me", "--name=" + joined_by(names, ",")};
+  return {"scancel", "--quiet", "--me", fmt::format("--name={}", fmt::join(names, ","))};
 }
 
 std::string batch_script(const std::string& program, const std::string& folder) {
-  return "#!/bin/sh\nexec " + quoted_for_shell(program) + " work " + quoted_for_shell(folder) +
-         "\n";
+  return fmt::format("#!/bin/sh\nexec {} work {}\n", quoted_for_shell(program),
+                     quoted_for_shell(folder));
 }
 
 Result<std::string> parse_job_number(std::string_view output) {
   const std::size_t end = std::min(output.find_first_not_of("0123456789"), output.size());
   const bool is_followed_well = end == output.size() || output[end] == '\n' || output[end] == ';';
   if (end == 0 || end > 20 || !is_followed_well)
-    return Error{ErrorCode::kCorruptData,
-                 "sbatch answered \"" + said_words(std::string(output)) + "\", which is no number"};
+    return Error{ErrorCode::kCorruptData, fmt::format("sbatch answered \"{}\", which is no number",
+                                                      said_words(std::string(output)))};
   return std::string(output.substr(0, end));
 }
 

@@ -1,5 +1,7 @@
 #include "server/slurm/slurm_work.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -113,7 +115,7 @@ void SlurmWork::submitted(const Result<std::string>& number) {
     is_submitted_ = true;
     told_.clear();
     events_.progress({"waiting in the cluster"});
-    events_.log("job " + *number + " of the cluster, attempt " + std::to_string(attempt_->number));
+    events_.log(fmt::format("job {} of the cluster, attempt {}", *number, attempt_->number));
     return stopping_ ? end({JobState::kQueued, {}}) : void();
   }
   if (stopping_) return end({JobState::kQueued, {}});
@@ -142,9 +144,9 @@ void SlurmWork::tell(const SlurmJob& job) {
   if (std::exchange(restarts_, job.restarts) != job.restarts && job.restarts > 0) {
     ++told_count_;
     events_.log(
-        "the cluster has put the job back into its queue, since its node failed or was "
-        "needed; this is run " +
-        std::to_string(job.restarts + 1));
+        fmt::format("the cluster has put the job back into its queue, since its node failed or was "
+                    "needed; this is run {}",
+                    job.restarts + 1));
   }
 }
 
@@ -228,8 +230,8 @@ void SlurmWork::taken(const NodeOutcome& outcome, const Status& status) {
 void SlurmWork::try_again(const std::string& why) {
   if (stopping_) return end({JobState::kQueued, {}});
   if (attempt_->number >= kMaxAttempts)
-    return end({JobState::kFailed, why + "; it was tried " + std::to_string(attempt_->number) +
-                                       " times, and is not tried again"});
+    return end({JobState::kFailed, fmt::format("{}; it was tried {} times, and is not tried again",
+                                               why, attempt_->number)});
   events_.log(why + "; it is tried again");
   close_and([this] { begin_attempt(); });
 }
