@@ -171,9 +171,11 @@ class Cluster:
 
 
 def has_ended(process):
+    """With all of its threads: until the last one has gone, its children have not lost their parent."""
     try:
         with open(f"/proc/{process}/stat", encoding="ascii") as file:
-            return file.read().rsplit(")", 1)[1].split()[0] == "Z"
+            is_zombie = file.read().rsplit(")", 1)[1].split()[0] == "Z"
+        return is_zombie and len(os.listdir(f"/proc/{process}/task")) <= 1
     except OSError:
         return True
 
