@@ -58,6 +58,18 @@ constexpr double kMostLoss = 0.005;
 
 constexpr std::size_t kLeastPairs = 24, kLeastPairsOfHalf = 12, kLeastPairsHeldBack = 6;
 
+constexpr std::array kShape{kFocal, kRadial, kBend};
+constexpr std::array kTiming{kDepthReadout, kColorReadout, kColorDelay};
+
+bool has_shape(const FreeNumbers& numbers) {
+  return std::ranges::any_of(kShape, [&](CameraNumber number) { return numbers[number]; });
+}
+
+FreeNumbers timing_of(FreeNumbers numbers) {
+  for (const CameraNumber number : kShape) numbers[number] = false;
+  return numbers;
+}
+
 struct Question {
   const std::vector<CalibrationView>& views;
   const Camera& camera;
@@ -96,21 +108,23 @@ FreeNumbers numbers_off(const JointSolution& solution) {
   return is_off;
 }
 
-bool halves_agree(const Question& question, const FreeNumbers& is_free, const JointSolution& all) {
+// Returns those of the free numbers that each half of the views confirms.
+FreeNumbers same_in_halves(const Question& question, const FreeNumbers& is_free,
+                           const JointSolution& all) {
+  FreeNumbers is_same = is_free;
   for (const bool is_second : {false, true}) {
     const std::vector<ViewPair> half =
         pairs_of_half(question.pairs.fitted, question.views.size(), is_second);
-    if (half.size() < kLeastPairsOfHalf) return false;
+    if (half.size() < kLeastPairsOfHalf) return {};
     const JointSolution solution = question.solve(half, is_free, &all);
     for (const Asked& asked : kAsked) {
       const auto k = static_cast<Eigen::Index>(asked.number);
       const double allowed = std::max(kMostApart * std::abs(all.change[k]),
                                       kMostApartDeviations * solution.deviation[k]);
-      if (is_free[asked.number] && std::abs(solution.change[k] - all.change[k]) > allowed)
-        return false;
+      if (std::abs(solution.change[k] - all.change[k]) > allowed) is_same[asked.number] = false;
     }
   }
-  return true;
+  return is_same;
 }
 
 // In the order of ShapeErrors.
@@ -119,12 +133,11 @@ Eigen::Array3d shape_of(const CameraVector& numbers) {
 }
 ShapeErrors errors_of(const Eigen::Array3d& shape) { return {shape[0], shape[1], shape[2]}; }
 
-// Returns what a solution without a verdict says of the camera's shape: as much as each half of
-// the views confirms. Nothing if the rows of the depth images are from different times, which moves
-// their values by many deviations.
+// Returns what a solution says of the camera's shape without a verdict on it: as much as each half
+// of the views confirms.
 std::optional<MeasuredShape> measured(const Question& question, const FreeNumbers& is_free,
                                       const JointSolution& all) {
-  if (numbers_off(all)[kDepthReadout] || !is_plausible(all)) return std::nullopt;
+  if (!is_plausible(all)) return std::nullopt;
   Eigen::Array3d deviations = (kWider * shape_of(all.deviation))
                                   .max(Eigen::Array3d(kFitting.bend, kFitting.focal, kFitting.k1));
   for (const bool is_second : {false, true}) {
@@ -143,32 +156,45 @@ bool is_certain(const PairGain& gain) {
          gain.mean >= kLeastMeanGainErrors * gain.standard_error;
 }
 
-// Whether the held-out pairs agree better with the shape of the camera, and with each number of its
-// timing. The timing shows in fast movements only, so the mean over all pairs may gain little by
-// it.
-bool pairs_gain(const Question& question, const FreeNumbers& is_free, const JointSolution& found) {
+// Whether the held-out pairs agree better with the shape of the camera.
+bool shape_gains(const Question& question, const HeldOutPairs& held_out, const FreeNumbers& is_free,
+                 const JointSolution& found) {
+  const JointSolution without = question.solve(question.pairs.fitted, timing_of(is_free), &found);
+  const auto gains_in = [&](ShowsIn where) {
+    const PairGain gain = gain_of(held_out, without, found, where);
+    return is_certain(gain) && gain.mean >= kLeastMeanGain;
+  };
+  // Where walls are seen from the front, these two move corners but hardly a surface.
+  const bool moves_corners = is_free[kFocal] || is_free[kRadial];
+  return gains_in(ShowsIn::kSurfaces) || (moves_corners && gains_in(ShowsIn::kCorners));
+}
+
+// Whether they agree better with this number of its timing. It shows in fast movements only, so the
+// mean over all pairs may gain little by it.
+bool timing_gains(const Question& question, const HeldOutPairs& held_out, FreeNumbers is_free,
+                  CameraNumber number, const JointSolution& found) {
+  is_free[number] = false;
+  const JointSolution without = question.solve(question.pairs.fitted, is_free, &found);
+  return is_certain(gain_of(held_out, without, found, where_shows(number)));
+}
+
+// Returns those of the free numbers that each half of the views and the held-out pairs confirm: all
+// of the camera's shape or nothing of it, since its numbers are confused with one another, and each
+// of its timing. The others stay free meanwhile, so that they do not bend these.
+FreeNumbers confirmed(const Question& question, const FreeNumbers& is_free,
+                      const JointSolution& found) {
   const HeldOutPairs held_out{question.views, question.pairs.held_back, question.camera};
-  FreeNumbers timing_alone = is_free;
-  timing_alone[kFocal] = timing_alone[kRadial] = timing_alone[kBend] = false;
-  if (timing_alone != is_free) {
-    const JointSolution without = question.solve(question.pairs.fitted, timing_alone, &found);
-    const auto gains_in = [&](ShowsIn where) {
-      const PairGain gain = gain_of(held_out, without, found, where);
-      return is_certain(gain) && gain.mean >= kLeastMeanGain;
-    };
-    // Where walls are seen from the front, these two move corners but hardly a surface.
-    const bool moves_corners = is_free[kFocal] || is_free[kRadial];
-    if (!gains_in(ShowsIn::kSurfaces) && !(moves_corners && gains_in(ShowsIn::kCorners)))
-      return false;
-  }
-  for (const CameraNumber number : {kDepthReadout, kColorReadout, kColorDelay}) {
-    if (!is_free[number]) continue;
-    FreeNumbers without = is_free;
-    without[number] = false;
-    const JointSolution as_it_was = question.solve(question.pairs.fitted, without, &found);
-    if (!is_certain(gain_of(held_out, as_it_was, found, where_shows(number)))) return false;
-  }
-  return true;
+  FreeNumbers is_confirmed = same_in_halves(question, is_free, found);
+  const bool is_shape =
+      has_shape(is_free) &&
+      std::ranges::all_of(
+          kShape, [&](CameraNumber number) { return is_confirmed[number] == is_free[number]; }) &&
+      shape_gains(question, held_out, is_free, found);
+  for (const CameraNumber number : kShape) is_confirmed[number] = is_free[number] && is_shape;
+  for (const CameraNumber number : kTiming)
+    is_confirmed[number] =
+        is_confirmed[number] && timing_gains(question, held_out, is_free, number, found);
+  return is_confirmed;
 }
 
 // The squares of all pairs, fitted and held out.
@@ -236,18 +262,26 @@ std::optional<Explanation> lens_of(const Question& question, const Explanation& 
   return found;
 }
 
-// Judges a solution with these free parameters.
+// Judges a solution with these free parameters. `measured` is not set if a shape that is off was
+// not confirmed, or if the shape was not asked for.
 CameraCheck verdict_on(const Question& question, const FreeNumbers& is_free, JointSolution found) {
+  constexpr MeasuredShape kFits{{}, kFitting};
   const FreeNumbers is_off = numbers_off(found);
-  if (is_off == FreeNumbers{}) return {CameraVerdict::kFits};
+  if (is_off == FreeNumbers{}) return {CameraVerdict::kFits, CameraVector::Zero(), kFits};
   if (is_off != is_free) {
     found = question.solve(question.pairs.fitted, is_off, &found);
     if (numbers_off(found) != is_off) return {};
   }
-  if (!is_plausible(found) || !halves_agree(question, is_off, found) ||
-      !pairs_gain(question, is_off, found))
-    return {};
-  return {CameraVerdict::kIsOff, found.change};
+  if (!is_plausible(found)) return {};
+  const FreeNumbers is_confirmed = confirmed(question, is_off, found);
+  if (is_confirmed == FreeNumbers{}) return {};
+  CameraCheck check{CameraVerdict::kIsOff};
+  for (const Asked& asked : kAsked)
+    if (is_confirmed[asked.number])
+      check.change[static_cast<Eigen::Index>(asked.number)] =
+          found.change[static_cast<Eigen::Index>(asked.number)];
+  if (has_shape(is_free) && has_shape(is_off) == has_shape(is_confirmed)) check.measured = kFits;
+  return check;
 }
 
 }  // namespace
@@ -276,16 +310,18 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
   } else if (is_known(found)) {
     check = verdict_on(question, all, found);
   }
-  if (check.verdict != CameraVerdict::kUnknown) return check;
+  if (check.verdict == CameraVerdict::kFits || check.measured) return check;
+  if (!lens) check.measured = measured(question, all, found);
+  if (check.verdict == CameraVerdict::kIsOff) return check;
   // Something else is wrong with the camera, or its movement does not tell its shape; the timing
   // may be clear nevertheless, or at least that of depth, which harms tracking most.
   for (const FreeNumbers& is_free : {timing, depth_rows}) {
     if (!has_velocities) break;
-    check = verdict_on(question, is_free, question.solve(question.pairs.fitted, is_free, &found));
-    if (check.verdict == CameraVerdict::kIsOff) return check;
+    const CameraCheck of_timing =
+        verdict_on(question, is_free, question.solve(question.pairs.fitted, is_free, &found));
+    if (of_timing.verdict == CameraVerdict::kIsOff)
+      return {CameraVerdict::kIsOff, of_timing.change, check.measured};
   }
-  check = {};
-  if (!lens) check.measured = measured(question, all, found);
   return check;
 }
 

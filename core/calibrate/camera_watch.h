@@ -36,8 +36,8 @@ struct CameraCheck {
   // The correction of a camera that is off, see changed() in camera_numbers.h. 0: this parameter is
   // not off.
   CameraVector change = CameraVector::Zero();
-  // What is known without a verdict: too little, or an error that not all views confirm. nullopt:
-  // nothing.
+  // What is known of the shape of the camera, or of the corrected one: that it fits, or without a
+  // verdict on it too little, or an error that not all views confirm. nullopt: nothing.
   std::optional<MeasuredShape> measured = {};
 };
 

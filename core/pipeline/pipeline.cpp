@@ -31,9 +31,9 @@ const Camera& checked(const Camera& camera) {
   return camera;
 }
 
-// The given camera and its corrections. A correction is found with 12 or 16 views; the remaining
-// error shows in as many views of the corrected camera.
-constexpr std::uint32_t kMostCameras = 3;
+// The given camera and its corrections. The shape, the rows of depth and those of colour may each
+// be confirmed at another time.
+constexpr std::uint32_t kMostCameras = 4;
 
 constexpr std::size_t kFramesAhead = 4;  // during reprocessing
 
@@ -68,6 +68,7 @@ struct Pipeline::Impl {
   void begin_with(const Camera& camera);
   FrameResult process(const frame::PreparedFrame& prepared);
   FrameResult process_whole_rows(const frame::PreparedFrame& prepared);
+  void learn_shape(const calibrate::CameraCheck& check);
   PastFrames correct_camera(const calibrate::CameraCheck& check);
   std::optional<FrameResult> follow(const calibrate::CameraCheck& check);
   FrameResult reprocess(const dataset::Trajectory& given, PastFrames past_frames);
@@ -104,9 +105,6 @@ void Pipeline::Impl::begin_with(const Camera& camera) {
       device, camera, options, back_end.mapping ? back_end.mapping(camera) : nullptr,
       is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
   auto next = std::make_shared<const FramePreparer>(camera, options, camera_count++);
-  if (camera_count > 1)
-    reconstruction->front_end.certainty().observe_camera(track::CameraDoubts::Zero(),
-                                                         doubts_of(calibrate::kFitting));
   torn_frames = {};
   changes.begin_map(camera_count > 1);
   const std::lock_guard lock(preparer_mutex);
@@ -132,6 +130,13 @@ FrameResult Pipeline::Impl::process(const frame::PreparedFrame& prepared) {
   return follow(*check).value_or(std::move(result));
 }
 
+// Takes what a check says of the shape of the current camera.
+void Pipeline::Impl::learn_shape(const calibrate::CameraCheck& check) {
+  if (const std::optional<calibrate::MeasuredShape>& shape = check.measured)
+    reconstruction->front_end.certainty().observe_camera(doubts_of(shape->errors),
+                                                         doubts_of(shape->deviations));
+}
+
 // Starts over with the corrected camera and returns access to the past frames. Returns an empty
 // function if the camera stays as it is; its calibration is then in doubt.
 PastFrames Pipeline::Impl::correct_camera(const calibrate::CameraCheck& check) {
@@ -140,25 +145,25 @@ PastFrames Pipeline::Impl::correct_camera(const calibrate::CameraCheck& check) {
   if (back_end.past_frames && !takes_camera_as_it_is && camera_count < kMostCameras &&
       validate(better).ok())
     past_frames = back_end.past_frames();
-  if (past_frames)
+  if (past_frames) {
     begin_with(better);
-  else
+    learn_shape(check);
+  } else {
     reconstruction->front_end.certainty().camera_is_off(
         -check.change[calibrate::kBend],
         {-check.change[calibrate::kFocal], -check.change[calibrate::kRadial],
          check.change.tail<calibrate::kTimingNumberCount>().cwiseAbs().maxCoeff()});
+  }
   return past_frames;
 }
 
 // Acts on a result of the camera watch. Returns the new result of the last frame if it was
 // reprocessed.
 std::optional<FrameResult> Pipeline::Impl::follow(const calibrate::CameraCheck& check) {
-  track::MapCertainty& certainty = reconstruction->front_end.certainty();
-  if (check.verdict == calibrate::CameraVerdict::kFits)
-    certainty.observe_camera(track::CameraDoubts::Zero(), doubts_of(calibrate::kFitting));
-  if (const std::optional<calibrate::MeasuredShape>& shape = check.measured)
-    certainty.observe_camera(doubts_of(shape->errors), doubts_of(shape->deviations));
-  if (check.verdict != calibrate::CameraVerdict::kIsOff) return std::nullopt;
+  if (check.verdict != calibrate::CameraVerdict::kIsOff) {
+    learn_shape(check);
+    return std::nullopt;
+  }
   const dataset::Trajectory given = reconstruction->poses.trajectory();
   PastFrames past_frames = correct_camera(check);
   if (!past_frames) return std::nullopt;
@@ -190,8 +195,11 @@ FrameResult Pipeline::Impl::reprocess(const dataset::Trajectory& given, PastFram
       result = process_whole_rows(*prepared);
       const std::optional<calibrate::CameraCheck> check =
           reconstruction->watch ? reconstruction->watch->answer() : std::nullopt;
-      if (check && check->verdict == calibrate::CameraVerdict::kIsOff)
+      if (!check) continue;
+      if (check->verdict == calibrate::CameraVerdict::kIsOff)
         past_frames = correct_camera(*check);
+      else
+        learn_shape(*check);
     }
   }
   return result;

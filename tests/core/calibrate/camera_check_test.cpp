@@ -40,7 +40,11 @@ Camera camera_of(const std::string& disturbance) {
 }
 
 TEST(CameraCheck, SaysThatARightCameraFits) {
-  EXPECT_EQ(check_camera(views_of("", 14), camera_of("")).verdict, CameraVerdict::kFits);
+  const CameraCheck check = check_camera(views_of("", 14), camera_of(""));
+  EXPECT_EQ(check.verdict, CameraVerdict::kFits);
+  ASSERT_TRUE(check.measured);
+  EXPECT_EQ(check.measured->errors.focal, 0);
+  EXPECT_EQ(check.measured->deviations.focal, kFitting.focal);
 }
 
 TEST(CameraCheck, FindsAFocalLengthThatIsOff) {
@@ -91,6 +95,18 @@ TEST(CameraCheck, FindsARollingShutterAndLateColour) {
   EXPECT_NEAR(rolling.change[kColorReadout], 0.030, 0.006);
   EXPECT_EQ(rolling.change.head<kDepthReadout>().norm(), 0) << "nothing else is off";
   EXPECT_EQ(rolling.change[kColorDelay], 0);
+}
+
+// With so few views the colour's rows are not confirmed, which is no reason to keep a wrong focal
+// length.
+TEST(CameraCheck, FindsAFocalLengthBesideARollingShutter) {
+  const char* both = "+focal=percent=1+rolling=ms=30";
+  const CameraCheck found = check_camera(views_of(both, 16, kRun, true), camera_of(both));
+  EXPECT_EQ(found.verdict, CameraVerdict::kIsOff);
+  EXPECT_NEAR(found.change[kFocal], -0.00995, 0.002);
+  EXPECT_EQ(found.change[kBend], 0);
+  ASSERT_TRUE(found.measured);
+  EXPECT_EQ(found.measured->deviations.focal, kFitting.focal) << "the corrected camera fits";
 }
 
 TEST(CameraCheck, SaysNothingOfTheTimingOfACameraWhoseVelocityIsUnknown) {
