@@ -329,7 +329,7 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
   if (check.verdict == CameraVerdict::kIsOff && check.measured) return check;
   const std::optional<MeasuredShape> shape = lens ? std::nullopt : measured(question, all, found);
   if (check.verdict == CameraVerdict::kFits) {
-    if (lens || (shape && excludes_errors(*shape))) return check;
+    if (shape && excludes_errors(*shape)) return check;
     return {CameraVerdict::kUnknown, CameraVector::Zero(), shape};
   }
   check.measured = shape;
