@@ -310,11 +310,8 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
     return {};
   const bool has_velocities = std::ranges::all_of(
       views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); });
-  FreeNumbers all{}, timing{}, depth_rows{};
-  for (const Asked& asked : kAsked) {
-    timing[asked.number] = is_timing(asked.number);
-    all[asked.number] = has_velocities || !timing[asked.number];
-  }
+  FreeNumbers all{}, depth_rows{};
+  for (const Asked& asked : kAsked) all[asked.number] = has_velocities || !is_timing(asked.number);
   all[kRadial] = false;
   depth_rows[kDepthReadout] = true;
   const JointSolution found = question.solve(question.pairs.fitted, all, nullptr);
@@ -336,7 +333,7 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
   if (check.verdict == CameraVerdict::kIsOff) return check;
   // Something else is wrong with the camera, or its movement does not tell its shape; the timing
   // may be clear nevertheless, or at least that of depth, which harms tracking most.
-  for (const FreeNumbers& is_free : {timing, depth_rows}) {
+  for (const FreeNumbers& is_free : {timing_of(all), depth_rows}) {
     if (!has_velocities) break;
     const CameraCheck of_timing =
         verdict_on(question, is_free, question.solve(question.pairs.fitted, is_free, &found));
