@@ -38,6 +38,7 @@ double share_of_image(const OdometrySums& sums);
 // What constrains a step besides depth and, usually, the image.
 struct StepTerms {
   bool discount_normal_noise = true;  // of depth
+  bool is_finest = false;             // of the levels, where the frame is nearly aligned
   std::optional<Rigid3> prior;  // set: expected motion, which then constrains in place of the image
   const FeatureMotion* corners = nullptr;  // followed from the reference; may be null
 };
