@@ -27,11 +27,11 @@ Matrix6d step_covariance(const StepWitnesses& w) {
   const Matrix6d said =
       beyond_noise(w.depth.system.hessian + w.image.system.hessian, w.displacement);
   const Matrix6d depth = said.transpose() * w.depth.system.hessian * said,
-                 image = said.transpose() * w.image.system.hessian * said;
+                 image = w.image_weight * (said.transpose() * w.image.system.hessian * said);
   const Matrix6d hessian =
       depth + image + w.corner_weight * w.corners.system.hessian + unit * prior;
   const Matrix6d scores =
-      kAlikeDepth * w.depth.unit * depth + kAlikeImage * w.image.unit * image +
+      kAlikeDepth * w.depth.unit * depth + kAlikeImage * w.image_weight * w.image.unit * image +
       kAlikeCorners * w.corner_weight * w.corner_weight * w.corners.system.hessian +
       unit * unit * prior;
   const Eigen::LDLT<Matrix6d> solver(hessian);

@@ -20,9 +20,9 @@ struct StepWitness {
 };
 
 struct StepWitnesses {
-  StepWitness depth, image, corners;
-  // Weight of the corners' system relative to the others; they are evidence even where it is 0.
-  double corner_weight = 0;
+  StepWitness depth{}, image{}, corners{};
+  // Weights that the odometry gave to these two besides. Corners are evidence even where it is 0.
+  double image_weight = 1, corner_weight = 0;
   // Of the points of depth and image, see normal_equations.h. Zero: their noise is not discounted.
   Matrix6d displacement = Matrix6d::Zero();
 };

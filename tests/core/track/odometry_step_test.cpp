@@ -52,5 +52,33 @@ TEST(OdometryStep, AsEvidenceDepthNeverKnowsMoreThanBeyondAllOfIt) {
   EXPECT_EQ(systems.witnesses.depth.system.hessian(0, 0), 0);
 }
 
+// A frame with a surface in this share of its pixels. A residual of the image that is as likely as
+// one of depth weighs a thousandth of it.
+OdometrySums frame_with_surface(double share) {
+  OdometrySums sums = noisy_wall(0.8);
+  sums.pixel_count = 1000;
+  sums.surface_count = sums.geometric_count = sums.photometric_count = share * sums.pixel_count;
+  sums.geometric_base = sums.geometric_error_m2 = sums.geometric_count;
+  sums.photometric_squares = 1e-3 * sums.photometric_count;
+  sums.photometric.motion.hessian.setIdentity();
+  sums.photometric.hessian(1, 1) = 1;
+  return sums;
+}
+
+double weight_of_image(double surface_share) {
+  const StepSystems systems =
+      step_systems(frame_with_surface(surface_share), {}, Rigid3{}, kFinest);
+  EXPECT_EQ(systems.photometric.hessian(0, 0), systems.witnesses.image_weight);
+  EXPECT_EQ(systems.witnesses.image.system.hessian(0, 0), 1) << "the evidence is the same";
+  return systems.witnesses.image_weight;
+}
+
+TEST(OdometryStep, TheImageCountsMoreWhereDepthIsSparse) {
+  EXPECT_EQ(weight_of_image(0.5), 1);
+  EXPECT_NEAR(weight_of_image(0.1), 100, 1e-9) << "a tenth of what is as certain as depth";
+  EXPECT_GT(weight_of_image(0.2), 1);
+  EXPECT_LT(weight_of_image(0.2), 100);
+}
+
 }  // namespace
 }  // namespace hermite::track::odometry_step_test
