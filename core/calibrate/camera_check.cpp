@@ -213,6 +213,12 @@ FreeNumbers confirmed(const Question& question, const FreeNumbers& is_free,
   return is_confirmed;
 }
 
+bool changes_shape(const CameraCheck& check) {
+  return std::ranges::any_of(kShape, [&check](CameraNumber number) {
+    return check.change[static_cast<Eigen::Index>(number)] != 0;
+  });
+}
+
 // The squares of all pairs, fitted and held out.
 struct Squares {
   std::vector<double> in_surfaces, in_corners;
@@ -323,14 +329,15 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
   } else if (is_known(found)) {
     check = verdict_on(question, all, found);
   }
-  if (check.verdict == CameraVerdict::kIsOff && check.measured) return check;
+  if (check.measured && changes_shape(check)) return check;
   const std::optional<MeasuredShape> shape = lens ? std::nullopt : measured(question, all, found);
-  if (check.verdict == CameraVerdict::kFits) {
-    if (shape && excludes_errors(*shape)) return check;
-    return {CameraVerdict::kUnknown, CameraVector::Zero(), shape};
+  const bool does_shape_fit = check.measured && shape && excludes_errors(*shape);
+  if (!does_shape_fit) check.measured = shape;
+  if (check.verdict == CameraVerdict::kFits && !does_shape_fit) {
+    check.verdict = CameraVerdict::kUnknown;
+    return check;
   }
-  check.measured = shape;
-  if (check.verdict == CameraVerdict::kIsOff) return check;
+  if (check.verdict != CameraVerdict::kUnknown) return check;
   // Something else is wrong with the camera, or its movement does not tell its shape; the timing
   // may be clear nevertheless, or at least that of depth, which harms tracking most.
   for (const FreeNumbers& is_free : {timing_of(all), depth_rows}) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "core/calibrate/view_choice.h"
@@ -95,6 +96,8 @@ TEST(CameraCheck, FindsARollingShutterAndLateColour) {
   EXPECT_NEAR(rolling.change[kColorReadout], 0.030, 0.006);
   EXPECT_EQ(rolling.change.head<kDepthReadout>().norm(), 0) << "nothing else is off";
   EXPECT_EQ(rolling.change[kColorDelay], 0);
+  ASSERT_TRUE(rolling.measured) << "what is known of its shape, which was not changed";
+  EXPECT_LE(std::abs(rolling.measured->errors.focal), 2 * rolling.measured->deviations.focal);
 }
 
 // With so few views the colour's rows are not confirmed, which is no reason to keep a wrong focal
