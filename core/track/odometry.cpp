@@ -193,13 +193,12 @@ OdometryResult Odometry::refine(const frame::FrameMaps& frame,
   result.reference_from_camera = start.guess;
   const int iterations[frame::kPyramidLevels] = {
       options_.max_iterations_fine, options_.max_iterations_middle, options_.max_iterations_coarse};
-  StepTerms terms{options_.discount_normal_noise, false,
-                  start.with_image ? std::nullopt : std::optional(start.guess), features};
   OdometrySums sums{};
   ExpectedResiduals expected = residuals_at_first(reach);
   for (int level = frame::kPyramidLevels - 1; level >= 0; --level) {
     const double scale = std::ldexp(1.0, level);
-    terms.is_finest = level == 0;
+    const StepTerms terms{options_.discount_normal_noise, level == 0,
+                          start.with_image ? std::nullopt : std::optional(start.guess), features};
     Gates gates = gates_within(level == frame::kPyramidLevels - 1 ? reach : 1.0);
     StepAccelerator accelerator;
     const int steps =

@@ -35,10 +35,14 @@ constexpr double kSparse = 0.15, kDense = 0.3, kCornerWeight = 0.3;
 // 0.3 and 22.7 with 1.
 constexpr double kImageWeight = 0.1;
 
+// Returns 0 at `none` and beyond, 1 at `all` and beyond, and grows linearly between them.
+double share_between(double value, double none, double all) {
+  return std::clamp((value - none) / (all - none), 0.0, 1.0);
+}
+
 // Returns 0 where dense terms suffice, growing to 1 as depth gets sparse.
 double sparsity(const OdometrySums& sums) {
-  return std::clamp((kDense - sums.surface_count / sums.pixel_count) / (kDense - kSparse), 0.0,
-                    1.0);
+  return share_between(sums.surface_count / sums.pixel_count, kDense, kSparse);
 }
 
 // Returns the weight of corners relative to the dense terms, in their units.
@@ -58,10 +62,7 @@ double weight_of_image(const OdometrySums& sums) {
 // accepted pairs alone, a vignetted image between bare walls led the camera 11 cm astray; with all
 // pairs always, recordings of fast motion are up to a quarter worse (tests/accuracy/LAB.md).
 double noise_of_normals(const OdometrySums& sums, bool is_finest) {
-  const double sharp =
-      is_finest
-          ? std::clamp((sums.gradient_share - kImageShare) / (kSharpShare - kImageShare), 0.0, 1.0)
-          : 0;
+  const double sharp = is_finest ? share_between(sums.gradient_share, kImageShare, kSharpShare) : 0;
   return sums.disagreement + sharp * (sums.near_disagreement - sums.disagreement);
 }
 
@@ -91,7 +92,7 @@ ExpectedResiduals residuals_after(const ExpectedResiduals& before, const Odometr
 }
 
 double share_of_image(const OdometrySums& sums) {
-  return std::clamp((sums.gradient_share - kNoiseShare) / (kImageShare - kNoiseShare), 0.0, 1.0);
+  return share_between(sums.gradient_share, kNoiseShare, kImageShare);
 }
 
 StepSystems step_systems(const OdometrySums& sums, const frame::Brightness& brightness,
