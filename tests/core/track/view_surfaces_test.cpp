@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 namespace hermite::track::view_surfaces_test {
 namespace {
@@ -42,6 +43,37 @@ TEST(ViewSurfaces, EndAtStepsAndWhereWallsMeet) {
   std::size_t pixels = 0;
   for (const std::size_t count : surfaces.pixel_count) pixels += count;
   EXPECT_EQ(pixels, view.size());
+}
+
+// Normals are computed over windows of pixels: they turn gradually where surfaces meet.
+TEST(ViewSurfaces, EndWhereWallsMeetThoughNormalsTurnGradually) {
+  frame::CoarseView view = view_of_a_board();
+  const auto normals = view.normals;
+  for (int y = 2; y + 2 < 60; ++y)
+    for (int x = 0; x < 80; ++x) {
+      Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+      for (int dy = -2; dy <= 2; ++dy) sum += normals[view.index(x, y + dy)];
+      view.normals[view.index(x, y)] = sum.normalized();
+    }
+  const ViewSurfaces surfaces = surfaces_of(view);
+  const auto at = [&](int x, int y) { return surfaces.of_pixel[view.index(x, y)]; };
+  EXPECT_NE(at(10, 20), at(10, 58)) << "the wall and the floor";
+  EXPECT_NE(at(10, 58), 0u);
+  for (int y = 0; y < 60; ++y)
+    EXPECT_NE(at(10, y), 0u) << "the edge belongs to one of the two, in row " << y;
+}
+
+// Noise of normals does not divide a wall.
+TEST(ViewSurfaces, OfANoisyWallAreOne) {
+  frame::CoarseView view = view_of_a_board();
+  std::fill(view.depth_m.begin(), view.depth_m.end(), 2.0f);
+  std::mt19937 random(1);
+  std::normal_distribution<float> noise(0, 0.13f);  // 7.5 degrees
+  for (Eigen::Vector3f& normal : view.normals)
+    normal = Eigen::Vector3f(noise(random), noise(random), 1).normalized();
+  const ViewSurfaces surfaces = surfaces_of(view);
+  ASSERT_EQ(surfaces.pixel_count.size(), 2u);
+  EXPECT_GT(surfaces.pixel_count[1], 95 * view.size() / 100);
 }
 
 TEST(ViewSurfaces, OfNothingOrOfCrumbsAreNone) {
