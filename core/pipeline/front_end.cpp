@@ -119,9 +119,10 @@ track::PoseUncertainty FrontEnd::uncertainty_at(const Rigid3& world_from_camera,
     const Matrix6d change = adjoint(world_from_camera * inverse(step.reference_from_camera));
     error.covariance = change * track::step_covariance(step.witnesses) * change.transpose();
   }
-  return track::with_steps(
-      certainty_.observe(view_, moving_mask_, world_from_camera, error, ground_of(layout)),
-      steps_.mean());
+  const track::PoseUncertainty observed =
+      certainty_.observe(view_, moving_mask_, world_from_camera, error, ground_of(layout));
+  return track::with_error(track::with_steps(observed, steps_.mean()), moving_.pull_world(),
+                           world_from_camera.translation);
 }
 
 // Applies the learned lens shading to the following frames.

@@ -6,6 +6,7 @@
 #include "core/base/frame_helpers.h"
 #include "core/math/rigid3_fields.h"
 #include "core/track/coarse_masks.h"
+#include "core/track/twist_covariance.h"
 
 namespace hermite::track {
 
@@ -135,6 +136,14 @@ frame::CoarseMask contradicted_by(const std::vector<Votes>& votes_by_view,
   return moving;
 }
 
+// Returns the twist that moves a camera at this position farther.
+Vector6d greater(const Vector6d& a, const Vector6d& b, const Eigen::Vector3d& position_world) {
+  const auto distance_m = [moved = at_camera(position_world)](const Vector6d& twist) {
+    return (moved * twist).head<3>().norm();
+  };
+  return distance_m(b) > distance_m(a) ? b : a;
+}
+
 }  // namespace
 
 frame::CoarseMask MovingRegions::expected(const frame::CoarseView& view) const {
@@ -147,6 +156,7 @@ frame::CoarseMask MovingRegions::contradicted(const frame::CoarseView& view,
                                               const Rigid3& world_from_camera,
                                               const frame::CoarseMask& by_corners) {
   is_divided_ = false;
+  pull_world_.setZero();
   frame::CoarseMask moving(view.size(), 0);
   if (!seen_.empty()) {
     const std::vector<Eigen::Vector3d> points = frame::points_of(view);
@@ -177,6 +187,9 @@ frame::CoarseMask MovingRegions::contradicted(const frame::CoarseView& view,
     if (moves != moved_before) all_along = since(seen_.front(), all_along_, moves);
     moving = contradicted_by(votes_by_view, view);
     add_own_motions(surfaces, moves, lately, all_along, moving);
+    pull_world_ = greater(adjoint(recent().world_from_camera) * lately.pull,
+                          adjoint(seen_.front().world_from_camera) * all_along.pull,
+                          world_from_camera.translation);
   }
   for (std::size_t i = 0; i < by_corners.size(); ++i) moving[i] |= by_corners[i];
   return grown(moving, view, 1);
@@ -230,6 +243,7 @@ void MovingRegions::remember(const frame::CoarseView& view, const Rigid3& world_
   last_view_ = view;
   last_world_from_camera_ = world_from_camera;
   last_moving_ = moving;
+  pull_world_.setZero();
   // What is first seen to move now was already moving in the frame before, in which it could not be
   // detected yet.
   if (frames_since_kept_ == 1 && seen_.back().view.size() == view.size()) {

@@ -34,6 +34,11 @@ class MovingRegions {
   // and are too large to decide which of them is the room.
   bool is_divided() const { return is_divided_; }
 
+  // Returns by how much the pose of the frame last passed to contradicted() would change, as a
+  // twist about the world's origin, without the surface that contradicts the others most; zero if
+  // none does (OwnMotions::pull).
+  const Vector6d& pull_world() const { return pull_world_; }
+
   // Makes the frame, with its final pose and regions, the last frame; every fourth one is kept for
   // comparison.
   void remember(const frame::CoarseView& view, const Rigid3& world_from_camera,
@@ -73,6 +78,7 @@ class MovingRegions {
   Disagreement lately_, all_along_;
   std::uint32_t frames_since_kept_ = 0;
   bool is_divided_ = false;
+  Vector6d pull_world_ = Vector6d::Zero();
 };
 
 }  // namespace hermite::track

@@ -127,7 +127,8 @@ class Search {
   const double usual_disagreement_;
   const std::vector<double> area_;
   State state_;
-  bool is_divided_ = false;  // see OwnMotions
+  bool is_divided_ = false;           // see OwnMotions
+  Vector6d pull_ = Vector6d::Zero();  // see OwnMotions
 };
 
 bool Search::is_most(const std::vector<bool>& moves) const {
@@ -182,11 +183,16 @@ Apart Search::apart(const State& state, std::size_t surface) const {
 
 bool Search::find_one() {
   is_divided_ = false;
+  pull_.setZero();
   State best;
-  double most = 0;
+  double most = 0, most_certain = kMoves;
   for (const std::size_t suspect : suspects()) {
     State trial = without(suspect);
     const Apart alone = apart(trial, suspect);
+    if (alone.is_beyond(most_certain, 0)) {
+      most_certain = alone.chi2;
+      pull_ = log_se3(trial.rest.earlier_from_frame * inverse(state_.rest.earlier_from_frame));
+    }
     if (!alone.is_beyond(kMoves, kShareOfCamera)) continue;
     is_divided_ = is_divided_ || is_most(trial.moves);
     if (is_most(trial.moves) || alone.chi2 <= most) continue;
@@ -201,7 +207,7 @@ bool Search::find_one() {
 OwnMotions Search::result() const {
   const std::vector<SurfaceSystem>& systems = state_.rest.systems;
   OwnMotions result{std::vector<OwnMotion>(state_.moves.size(), OwnMotion::kUnknown),
-                    disagreement(systems, state_.moves), is_divided_};
+                    disagreement(systems, state_.moves), is_divided_, pull_};
   for (std::size_t surface = 1; surface < state_.moves.size(); ++surface) {
     const Apart alone = state_.moves[surface] ? apart(state_, surface)
                                               : Apart{systems[surface].pairs >= kLeastPairs};

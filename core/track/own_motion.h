@@ -29,6 +29,10 @@ struct OwnMotions {
   double disagreement = 1;
   // Something moves that is too large to decide which of the parts is the room.
   bool is_divided = false;
+  // Change of CameraMotion::earlier_from_frame, as a twist for exp_se3, if the surface were left
+  // out that contradicts the others most certainly without being said to move; zero if none does. A
+  // door that begins to swing pulls the camera before its motion is large.
+  Vector6d pull = Vector6d::Zero();
 };
 
 // What is known of the surfaces from other frames.

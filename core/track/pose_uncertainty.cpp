@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/track/twist_covariance.h"
+
 namespace hermite::track {
 
 namespace {
@@ -34,6 +36,13 @@ PoseUncertainty with_steps(PoseUncertainty uncertainty, const frame::DepthSteps&
   const double turned_rad = steps.terrace_m / steps.depth_m;
   uncertainty.second_moment.diagonal().head<3>().array() += steps.terrace_m * steps.terrace_m;
   uncertainty.second_moment.diagonal().tail<3>().array() += turned_rad * turned_rad;
+  return uncertainty;
+}
+
+PoseUncertainty with_error(PoseUncertainty uncertainty, const Vector6d& twist_world,
+                           const Eigen::Vector3d& position_world) {
+  const Vector6d error = at_camera(position_world) * twist_world;
+  uncertainty.second_moment += error * error.transpose();
   return uncertainty;
 }
 

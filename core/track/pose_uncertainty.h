@@ -36,4 +36,9 @@ struct PoseUncertainty {
 // frames.
 PoseUncertainty with_steps(PoseUncertainty uncertainty, const frame::DepthSteps& steps);
 
+// Returns the uncertainty with an error that may have been made, as a twist about the world's
+// origin, of a camera at this position.
+PoseUncertainty with_error(PoseUncertainty uncertainty, const Vector6d& twist_world,
+                           const Eigen::Vector3d& position_world);
+
 }  // namespace hermite::track

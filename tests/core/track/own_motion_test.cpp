@@ -94,7 +94,22 @@ TEST(OwnMotion, IsNobodysInAStillRoom) {
     for (std::uint32_t surface = 1; surface < surfaces.pixel_count.size(); ++surface)
       EXPECT_NE(motions.of_surface[surface], OwnMotion::kMoves) << surface;
     EXPECT_EQ(motions.of_surface[board_of(surfaces)], OwnMotion::kRests);
+    EXPECT_TRUE(motions.pull.isZero()) << motions.pull.transpose();
   }
+}
+
+// A board that moves by much less than the camera may be shifted by its shutter. Whatever it is, it
+// drags the camera along.
+TEST(OwnMotion, ThatIsSmallPullsTheCamera) {
+  const Rigid3 now = moved(0.1, 0.02), board = moved(0.02, 0);
+  const frame::CoarseView earlier = seen_from({}, {}, 1.2), frame = seen_from(now, board, 1.2);
+  const ViewSurfaces surfaces = surfaces_of(frame);
+  const OwnMotions motions =
+      own_motions(frame, surfaces, earlier, from_rest(now), {none(surfaces)});
+  EXPECT_NE(motions.of_surface[board_of(surfaces)], OwnMotion::kMoves);
+  EXPECT_GT(motions.pull.x(), 0.002) << "the board moved to the right, so the camera seems to have "
+                                        "moved less than it did";
+  EXPECT_LT(motions.pull.x(), 0.02);
 }
 
 TEST(OwnMotion, IsNotSaidOfMostOfTheView) {
