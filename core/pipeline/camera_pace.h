@@ -23,6 +23,10 @@ class CameraPace {
 
   double last_tracked_s() const { return last_tracked_s_; }  // timestamp of the last tracked frame
 
+  // Returns the mean velocity between the last two tracked frames as a twist per second in the
+  // camera's frame, as for exp_se3; zero if unknown.
+  const Vector6d& twist_per_s() const { return last_twist_per_s_; }
+
   // Returns the time from the last tracked frame to `timestamp_s`, without what is usual between
   // two frames; at least 0.
   double unseen_s(double timestamp_s) const;

@@ -119,6 +119,7 @@ track::PoseUncertainty FrontEnd::uncertainty_at(const Rigid3& world_from_camera,
     const Matrix6d change = adjoint(world_from_camera * inverse(step.reference_from_camera));
     error.covariance = change * track::step_covariance(step.witnesses) * change.transpose();
   }
+  error.disagreement = moving_.disagreement();
   const track::PoseUncertainty observed =
       certainty_.observe(view_, moving_mask_, world_from_camera, error, ground_of(layout));
   return track::with_error(track::with_steps(observed, steps_.mean()), moving_.pull_world(),

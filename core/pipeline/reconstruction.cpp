@@ -32,6 +32,11 @@ constexpr double kReachDeviations = 3;
 // longer than this are frames left out for it.
 constexpr double kMostRepeatedRows = 0.5, kLongestCoast_s = 0.1;
 
+// Standard deviation of the moment at which an image is taken, relative to its stamp: rows of a
+// rolling shutter are taken over up to 33 ms, their mean up to 16 ms late, which is within 3.3 of
+// these. The camera watch does not find it in slow motion.
+constexpr double kStampDeviation_s = 0.005;
+
 void describe_motion(const Motion& motion, FrameResult& result) {
   result.status = motion.judgement.status;
   result.reason = motion.judgement.reason;
@@ -129,7 +134,10 @@ void Reconstruction::judge_uncertainty(const frame::RgbdFrame& frame, const trac
   track::MapCertainty::StepError error{.timestamp_s = result.timestamp_s, .gap = gap};
   if (mapping && certainty.is_in_doubt(gap))
     error.is_distinctive = mapping->is_distinctive(frame, world_from_camera, known_keyframes);
-  uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, error, layout());
+  uncertainty = track::with_error(
+      front_end.uncertainty_at(world_from_camera, motion.odometry, error, layout()),
+      kStampDeviation_s * adjoint(world_from_camera) * pace.twist_per_s(),
+      world_from_camera.translation);
   result.uncertainty = uncertainty;
   motion.judgement = track::weighed(std::move(motion.judgement),
                                     {uncertainty, front_end.calibration_doubt(),

@@ -48,6 +48,8 @@ class MapCertainty {
     double timestamp_s = 0;
     SightGap gap = {};           // before the frame
     bool is_distinctive = true;  // see PlaceDoubt::observe(); only needed while is_in_doubt()
+    // By how much surfaces disagree beyond independent noise, see MovingRegions::disagreement().
+    double disagreement = 1;
   };
 
   // Returns the uncertainty of a frame that was tracked against active submaps. `moving` pixels are

@@ -6,6 +6,7 @@
 // Runs on the host. One thread at a time.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <vector>
 
@@ -33,6 +34,10 @@ class MovingRegions {
   // Returns whether parts of the frame last passed to contradicted() move relative to each other
   // and are too large to decide which of them is the room.
   bool is_divided() const { return is_divided_; }
+
+  // Returns by how much chi-squares of resting surfaces exceed those of independent noise lately,
+  // at least 1 (OwnMotions::disagreement).
+  double disagreement() const { return std::max(lately_.usual, all_along_.usual); }
 
   // Returns by how much the pose of the frame last passed to contradicted() would change, as a
   // twist about the world's origin, without the surface that contradicts the others most; zero if
