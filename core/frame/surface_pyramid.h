@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/byte_stream.h"
+#include "core/frame/frame_options.h"
 #include "core/frame/sampling.h"
 #include "core/gpu/buffer.h"
 #include "core/gpu/commands.h"
@@ -39,8 +40,10 @@ void save(ByteWriter& bytes, const SurfacePyramid& pyramid);
 // Restores into a pyramid of the same size; the reader fails otherwise.
 void restore(ByteReader& bytes, SurfacePyramid& pyramid);
 
-// Records the passes that compute levels 1 and 2 from level 0.
+// Records the passes that compute levels 1 and 2 from level 0. Four pixels become one if at most
+// one of them is missing and their depths differ by less than half of options.depth_gate_m plus
+// three standard deviations of noise.
 void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyramid& pyramid,
-                double depth_gate_m);
+                const FrameOptions& options);
 
 }  // namespace hermite::frame
