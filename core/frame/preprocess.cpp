@@ -166,7 +166,7 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
                      {"intensity", surface.intensity},
                      {"image", maps_.images[0]},
                      {"sampled_color", maps_.color}});
-  downsample(commands, downsample_, maps_.surface, options_);
+  downsample(commands, downsample_, maps_.surface, 0.5 * options_.depth_gate_m);
   for (std::size_t level = 1; level < maps_.images.size(); ++level) {
     const SurfaceLevel& image_level = maps_.surface.levels[level];
     commands.dispatch(gradient_, {image_level.camera.width, image_level.camera.height},

@@ -56,14 +56,12 @@ void restore(ByteReader& bytes, SurfacePyramid& pyramid) {
 }
 
 void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyramid& pyramid,
-                const FrameOptions& options) {
-  const auto gate_m = static_cast<float>(0.5 * options.depth_gate_m),
-             growth_per_m = static_cast<float>(3 * options.noise_growth_per_m);
+                double depth_gate_m) {
   for (std::size_t level = 1; level < pyramid.levels.size(); ++level) {
     SurfaceLevel& fine = pyramid.levels[level - 1];
     SurfaceLevel& coarse = pyramid.levels[level];
     const shared::DownsampleParams params{coarse.camera.width, coarse.camera.height,
-                                          fine.camera.width, gate_m, growth_per_m};
+                                          fine.camera.width, static_cast<float>(depth_gate_m)};
     commands.dispatch(kernel, {coarse.camera.width, coarse.camera.height}, params,
                       {{"fine_points", fine.points},
                        {"fine_intensity", fine.intensity},

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "core/base/byte_stream.h"
-#include "core/frame/frame_options.h"
 #include "core/frame/sampling.h"
 #include "core/gpu/buffer.h"
 #include "core/gpu/commands.h"
@@ -40,10 +39,8 @@ void save(ByteWriter& bytes, const SurfacePyramid& pyramid);
 // Restores into a pyramid of the same size; the reader fails otherwise.
 void restore(ByteReader& bytes, SurfacePyramid& pyramid);
 
-// Records the passes that compute levels 1 and 2 from level 0. Four pixels become one if at most
-// one of them is missing and their depths differ by less than half of options.depth_gate_m plus
-// three standard deviations of noise.
+// Records the passes that compute levels 1 and 2 from level 0.
 void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyramid& pyramid,
-                const FrameOptions& options);
+                double depth_gate_m);
 
 }  // namespace hermite::frame

@@ -284,7 +284,7 @@ void FrontEnd::predict_from(const Rigid3& world_from_camera, const map::SubmapSe
   index_.build(commands, store, maps.camera(), options_.map.stable_confidence);
   predictor_.run(commands, store, index_, maps, fill_in);
   frame::downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(),
-                    options_.frame);
+                    0.5 * options_.frame.depth_gate_m);
 }
 
 std::optional<adjust::LoopVerification> FrontEnd::verify(const adjust::LoopCandidate& candidate,
@@ -329,7 +329,7 @@ void FrontEnd::clean_and_predict(const ColorUse& color) {
                  color.is_good ? map::FillIn::kSurfaceAndColor : map::FillIn::kSurface,
                  color.brightness);
   frame::downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(),
-                    options_.frame);
+                    0.5 * options_.frame.depth_gate_m);
   odometry_.remember(commands, maps);
 }
 

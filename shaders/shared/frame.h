@@ -67,9 +67,7 @@ struct RetimeParams {
 struct DownsampleParams {
   uint width, height;  // of the coarser level
   uint fine_width;
-  // Depths of one surface differ by less than this, which grows with the square of their distance
-  // beyond 0.4 m, as noise does.
-  float depth_gate_m, gate_growth_per_m;
+  float depth_gate_m;
 };
 
 #ifdef __cplusplus

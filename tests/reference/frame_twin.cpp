@@ -163,42 +163,30 @@ SurfaceImage surface_twin(const std::vector<float>& depth_m, const std::vector<V
 }
 
 SurfaceImage downsample_twin(const SurfaceImage& fine, const shared::Intrinsics& coarse_camera,
-                             const frame::FrameOptions& options) {
+                             double depth_gate_m) {
   SurfaceImage coarse(coarse_camera);
   for_each_pixel(coarse_camera, [&](int x, int y, std::size_t i) {
-    const std::size_t at[4] = {fine.index(2 * x, 2 * y), fine.index(2 * x + 1, 2 * y),
-                               fine.index(2 * x, 2 * y + 1), fine.index(2 * x + 1, 2 * y + 1)};
-    double weight = 0, grey = 0, count = 0;
+    double depth = 0, weight = 0, grey = 0;
     float nearest = 1e9f, farthest = 0, darkest = 1e9f;
     Vector3d normal = Vector3d::Zero();
     Eigen::Vector2d curvatures = Eigen::Vector2d::Zero();
-    for (const std::size_t j : at) {
-      darkest = std::min(darkest, fine.intensity[j]);
-      grey += 0.25 * static_cast<double>(fine.intensity[j]);
-      if (fine.depth_m[j] <= 0) continue;
-      ++count;
+    for (const std::size_t j : {fine.index(2 * x, 2 * y), fine.index(2 * x + 1, 2 * y),
+                                fine.index(2 * x, 2 * y + 1), fine.index(2 * x + 1, 2 * y + 1)}) {
       nearest = std::min(nearest, fine.depth_m[j]);
       farthest = std::max(farthest, fine.depth_m[j]);
-      weight += static_cast<double>(fine.weight[j]);
+      darkest = std::min(darkest, fine.intensity[j]);
+      depth += 0.25 * static_cast<double>(fine.depth_m[j]);
+      weight += 0.25 * static_cast<double>(fine.weight[j]);
+      grey += 0.25 * static_cast<double>(fine.intensity[j]);
       normal += fine.normals[j];
-      curvatures += fine.curvatures[j];
+      curvatures += 0.25 * fine.curvatures[j];
     }
     coarse.intensity[i] = darkest >= 0 ? static_cast<float>(grey) : -1.0f;
-    const double beyond_m = std::max(0.0, static_cast<double>(nearest) - 0.4);
-    const double gate_m =
-        0.5 * options.depth_gate_m + 3 * options.noise_growth_per_m * beyond_m * beyond_m;
-    if (count < 3 || static_cast<double>(farthest - nearest) >= gate_m) return;
-    // The means of the complete diagonals.
-    double depth = 0, diagonals = 0;
-    for (const auto& [a, b] : {std::pair{at[0], at[3]}, {at[1], at[2]}}) {
-      if (fine.depth_m[a] <= 0 || fine.depth_m[b] <= 0) continue;
-      depth += 0.5 * static_cast<double>(fine.depth_m[a] + fine.depth_m[b]);
-      ++diagonals;
-    }
-    coarse.depth_m[i] = static_cast<float>(depth / diagonals);
-    coarse.weight[i] = static_cast<float>(weight / count);
+    if (nearest <= 0 || static_cast<double>(farthest - nearest) >= depth_gate_m) return;
+    coarse.depth_m[i] = static_cast<float>(depth);
+    coarse.weight[i] = static_cast<float>(weight);
     coarse.normals[i] = normal.normalized();
-    coarse.curvatures[i] = curvatures / count;
+    coarse.curvatures[i] = curvatures;
   });
   return coarse;
 }

@@ -28,7 +28,7 @@ SurfaceImage surface_twin(const std::vector<float>& depth_m,
 
 // Half the resolution: means of 2x2 pixels.
 SurfaceImage downsample_twin(const SurfaceImage& fine, const shared::Intrinsics& coarse_camera,
-                             const frame::FrameOptions& options);
+                             double depth_gate_m);
 
 // Sobel, grey values per pixel, zero on the border.
 std::vector<Eigen::Vector2d> gradient_twin(const std::vector<float>& intensity,
