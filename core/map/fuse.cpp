@@ -48,7 +48,7 @@ shared::FuseParams Fuser::params_of(const shared::Intrinsics& camera, const Surf
           options_.fuse_surface ? 1u : 0u,
           options_.weigh_by_radius ? 1u : 0u,
           static_cast<float>(radius_scale_),
-          fused.with_color ? 1u : 0u,
+          static_cast<std::uint32_t>(fused.color),
           static_cast<float>(fused.brightness.gain),
           static_cast<float>(fused.brightness.offset),
           fused.add_new ? 1u : 0u};

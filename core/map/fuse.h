@@ -8,9 +8,13 @@
 
 namespace hermite::map {
 
+// What becomes of the colours of surfels that a frame shows: they keep them, get the mean, or take
+// those of the frame. The values are those of shared::FuseParams::color_use.
+enum class ColorFusion : std::uint32_t { kKeep, kMean, kReplace };
+
 struct FusedFrame {
   std::uint32_t number = 0;  // index among the fused frames, from 1
-  bool with_color = true;    // whether existing surfels are updated with its colours
+  ColorFusion color = ColorFusion::kMean;
   std::uint32_t submap = 0;  // the submap of new surfels
   bool add_new = true;       // false: only existing surfels are updated
   // Brightness of the frame relative to the map, which keeps its own brightness.

@@ -53,6 +53,7 @@ FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const
       camera_(camera),
       preprocessor_(device, camera, options.frame),
       odometry_(device, preprocessor_.maps().camera(), options.track, options.frame),
+      new_light_(options.frame.sampling * options.frame.sampling),
       visible_(device, options.map),
       index_(device, preprocessor_.maps().camera()),
       fuser_(device, preprocessor_.maps().camera(), options.map, options.frame),
@@ -104,6 +105,11 @@ void FrontEnd::forget_views() {
   if (!options_.track.object) moving_.forget();
   earlier_.forget();
   light_.forget();
+}
+
+map::ColorFusion fusion_of_colors(const track::Judgement& judgement) {
+  if (judgement.light_has_changed) return map::ColorFusion::kReplace;
+  return judgement.image_is_good ? map::ColorFusion::kMean : map::ColorFusion::kKeep;
 }
 
 track::MapCertainty::Ground ground_of(const adjust::MapLayout& layout) {
@@ -233,7 +239,7 @@ Motion FrontEnd::track(const frame::PreparedFrame& frame, const track::CornerVer
   const track::FeatureMotion* held = followed && !followed->is_turn_only ? &*followed : nullptr;
   const Rigid3 turned{turn_since_last(followed, options_.track, odometry_, preprocessor_.maps()),
                       Eigen::Vector3d::Zero()};
-  const track::OdometryResult found =
+  track::OdometryResult found =
       align(track::pose_guesses(turned, last_motion, held, options_.track), held, hidden,
             world_from_reference, lost_count);
   const Rigid3& motion = found.reference_from_camera;
@@ -247,6 +253,7 @@ Motion FrontEnd::track(const frame::PreparedFrame& frame, const track::CornerVer
   evidence.lost_count = lost_count;
   evidence.is_ambiguous = found.is_ambiguous;
   evidence.usual_information = usual_information_;
+  new_light_.describe(evidence);
   if (!is_found)
     evidence.unmoved = odometry_.agreement(preprocessor_.maps(), predictor_.surface(), turned);
   evidence.agreement = found.agreement;
@@ -257,6 +264,11 @@ Motion FrontEnd::track(const frame::PreparedFrame& frame, const track::CornerVer
   track::Judgement judgement = track::judge(evidence, options_.track);
   if (judgement.status != track::TrackingStatus::kLost)
     usual_information_ = track::usual_information_after(usual_information_, found.agreement);
+  // Views in the old light would take the new one for a spot of light, or for shading of the lens.
+  if (new_light_.follow(judgement, found.brightness)) {
+    light_.forget();
+    earlier_.forget();
+  }
   return {found, std::move(judgement)};
 }
 
@@ -316,7 +328,7 @@ bool FrontEnd::fuse(const Rigid3& world_from_camera, const adjust::MapLayout& la
   index_.build(commands, store, maps.camera(), 0);
   index_.describe(commands, store, maps.camera());
   fuser_.fuse(commands, maps, store, index_,
-              {frame_number, color.is_good, memory_.submap(), add_new, color.brightness});
+              {frame_number, color.fusion, memory_.submap(), add_new, color.brightness});
   return add_new;
 }
 
@@ -324,9 +336,9 @@ void FrontEnd::clean_and_predict(const ColorUse& color) {
   const frame::FrameMaps& maps = preprocessor_.maps();
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), options_.map.stable_confidence);
-  fuser_.clean(commands, maps, store, index_, {frame_number, color.is_good, memory_.submap()});
+  fuser_.clean(commands, maps, store, index_, {frame_number, color.fusion, memory_.submap()});
   predictor_.run(commands, store, index_, maps,
-                 color.is_good ? map::FillIn::kSurfaceAndColor : map::FillIn::kSurface,
+                 color.is_good() ? map::FillIn::kSurfaceAndColor : map::FillIn::kSurface,
                  color.brightness);
   frame::downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(),
                     0.5 * options_.frame.depth_gate_m);
@@ -345,6 +357,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   steps_.save(bytes);
   corners.save(bytes);
   bytes.number(usual_information_);
+  new_light_.save(bytes);
   rigid3_fields(bytes, room_from_camera_);
   frame::save(bytes, predictor_.surface());
   odometry_.save(bytes);
@@ -365,6 +378,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   bytes.number(usual_information_);
   bytes.require(std::isfinite(usual_information_) && usual_information_ >= 0,
                 "the usual information of images is not a positive number");
+  new_light_.restore(bytes);
   rigid3_fields(bytes, room_from_camera_);
   frame::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);

@@ -28,20 +28,25 @@
 #include "core/track/light_changes.h"
 #include "core/track/map_certainty.h"
 #include "core/track/moving_regions.h"
+#include "core/track/new_light.h"
 #include "core/track/odometry.h"
 
 namespace hermite::pipeline {
 
 // How a frame's colour image is used in the map.
 struct ColorUse {
-  bool is_good = true;
+  map::ColorFusion fusion = map::ColorFusion::kMean;
   frame::Brightness brightness;
+  bool is_good() const { return fusion != map::ColorFusion::kKeep; }
 };
 
 struct Motion {
   track::OdometryResult odometry;
   track::Judgement judgement;
 };
+
+// Returns what a frame that is judged so and not lost does to the colours of the map.
+map::ColorFusion fusion_of_colors(const track::Judgement& judgement);
 
 // Returns the layout as far as the uncertainty of poses depends on it, by reference.
 track::MapCertainty::Ground ground_of(const adjust::MapLayout& layout);
@@ -156,6 +161,7 @@ class FrontEnd {
   track::Odometry odometry_;
   track::MovingRegions moving_;
   track::LightChanges light_;
+  track::NewLight new_light_;
   // As measured, before shading is corrected; lens shading is learned from it.
   track::EarlierView earlier_;
   track::LensShading shading_;

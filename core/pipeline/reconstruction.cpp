@@ -314,7 +314,7 @@ void Reconstruction::track_and_fuse(const frame::PreparedFrame& taken, FrameResu
   if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m)
     front_end.forget_views();
   if (!lost) {
-    const ColorUse color{motion.judgement.image_is_good, motion.odometry.brightness};
+    const ColorUse color{fusion_of_colors(motion.judgement), motion.odometry.brightness};
     bool is_full = false;
     timed("fuse", [&] {
       is_full = !front_end.fuse(world_from_camera, layout(), color);

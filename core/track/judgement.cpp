@@ -164,6 +164,17 @@ bool is_like_the_model(const Agreement& a) {
          a.correlation >= kGoodCorrelation;
 }
 
+// When a lamp goes out, what the image shows has other grey values all over, but it is sharp, the
+// shape is the same, and corners go on as the camera does. If the camera was lost meanwhile,
+// another place may look so.
+bool is_in_new_light(const TrackingEvidence& e) {
+  const Agreement& a = e.agreement;
+  const bool differs =
+      e.is_light_new || (a.correlation < kGoodCorrelation && a.sharpness >= kBlurred);
+  return e.follows_good_image && differs && a.grey_deviation >= kFlatImage &&
+         a.agreeing >= kGoodAgreement && is_held_by_corners(e.corners);
+}
+
 }  // namespace
 
 const char* name_of(TrackingStatus status) {
@@ -240,6 +251,9 @@ Judgement judge(const TrackingEvidence& e, const TrackOptions& options) {
             "too fast: the camera would have jumped " + centimetres(jumped_m)};
   Judgement judgement{TrackingStatus::kTracked, why_weak(e, options),
                       is_like_the_model(e.agreement) && !shows_nothing(e.content)};
+  judgement.light_has_changed = (!judgement.image_is_good || e.is_light_new) && is_in_new_light(e);
+  if (judgement.reason.empty() && judgement.light_has_changed)
+    judgement.reason = "light: it has changed, and the picture is not like those before";
   if (judgement.reason.empty() && !is_like_the_model(e.agreement))
     judgement.reason = "dark or blurred: the picture is not like those before";
   if (!judgement.reason.empty()) judgement.status = TrackingStatus::kWeak;

@@ -54,12 +54,19 @@ struct TrackingEvidence {
   int lost_count = 0;            // frames lost just before this one
   bool is_ambiguous = false;     // the frame fits nearly as well elsewhere
   double usual_information = 0;  // image_information() of the frames tracked so far
+  // The camera was not lost since a frame whose image was like the map's.
+  bool follows_good_image = false;
+  // The light has just changed, and so far only some colours of the map are those of the new light.
+  bool is_light_new = false;
 };
 
 struct Judgement {
   TrackingStatus status = TrackingStatus::kLost;
   std::string reason;         // empty when tracked
   bool image_is_good = true;  // the colours may be fused
+  // The image differs from the map's because the light has changed: its colours replace those of
+  // the map.
+  bool light_has_changed = false;
 };
 
 // Returns whether frame and map both have an image with contrast, so that they can be compared.

@@ -56,7 +56,8 @@ void merge(uint slot, Measurement m) {
     // The gain of one view is often less than half a quantisation step, so rounding to the nearest
     // would never change the colour; dithering does.
     vec3 color = surfel_color(a);
-    a.color = pack_color(color + (p.merge_color != 0u ? gain : 0.0) * (m.color - color),
+    float color_gain = p.color_use == 0u ? 0.0 : p.color_use == 1u ? gain : 1.0;
+    a.color = pack_color(color + color_gain * (m.color - color),
                          drawn(surfel.xyz));
     a.curvatures = packHalf2x16(mix(unpackHalf2x16(a.curvatures), m.curvatures, gain));
     attributes[slot] = a;

@@ -116,7 +116,7 @@ struct FuseParams {
   uint fuse_surface;     // 1: fuse the HRBF surface, 0: the raw depth
   uint weigh_by_radius;  // 1: means are weighed by confidence / radius^2, 0: by confidence
   float radius_scale;
-  uint merge_color;    // 0: surfels keep their colour
+  uint color_use;      // 0: surfels keep their colour, 1: get the mean, 2: take the frame's
   float gain, offset;  // colour of the frame = gain * colour of the map + offset
   uint add_new;        // 0: only existing surfels are updated
 };

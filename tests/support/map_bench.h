@@ -44,14 +44,15 @@ class MapBench {
   void see(const FuseInput& frame) { upload_frame(frame); }
 
   void fuse(const FuseInput& frame, std::uint32_t frame_number,
-            const Rigid3& world_from_camera = {}, bool with_color = true) {
+            const Rigid3& world_from_camera = {},
+            map::ColorFusion color = map::ColorFusion::kMean) {
     upload_frame(frame);
     store.reserve(fuser.new_slots_bound());
     set_camera(world_from_camera);
     visible_.list(commands_, store, maps_.camera(), frame_number);
     index.build(commands_, store, maps_.camera(), 0);
     index.describe(commands_, store, maps_.camera());
-    fuser.fuse(commands_, maps_, store, index, {frame_number, with_color, submap});
+    fuser.fuse(commands_, maps_, store, index, {frame_number, color, submap});
     commands_.submit_and_wait();
   }
 
@@ -60,7 +61,7 @@ class MapBench {
     set_camera(world_from_camera);
     visible_.list(commands_, store, maps_.camera(), frame_number);
     index.build(commands_, store, maps_.camera(), options_.stable_confidence);
-    fuser.clean(commands_, maps_, store, index, {frame_number, true, submap});
+    fuser.clean(commands_, maps_, store, index, {frame_number, map::ColorFusion::kMean, submap});
     commands_.submit_and_wait();
   }
 

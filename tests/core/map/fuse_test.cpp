@@ -183,7 +183,7 @@ TEST_F(FuseTest, AFrameWhoseImageIsNotBelievedLeavesColoursAsTheyAre) {
   }
   test::upload(before, bench.store);
   for (std::uint32_t number = kNow; number < kNow + 20; ++number)
-    bench.fuse(test::frontal_frame(kCamera, 1, 1), number, {}, false);
+    bench.fuse(test::frontal_frame(kCamera, 1, 1), number, {}, ColorFusion::kKeep);
   bench.clean(kNow + 19);
   const std::vector<Surfel> after = bench.store.download();
   for (std::size_t slot = 0; slot < before.size(); ++slot) {
@@ -191,6 +191,31 @@ TEST_F(FuseTest, AFrameWhoseImageIsNotBelievedLeavesColoursAsTheyAre) {
     ASSERT_EQ(Vector3d(after[slot].r, after[slot].g, after[slot].b),
               Vector3d(before[slot].r, before[slot].g, before[slot].b))
         << slot;
+  }
+}
+
+// When the light has changed, the old colours are worth nothing, however often they were seen.
+TEST_F(FuseTest, AFrameInNewLightReplacesTheColours) {
+  MapBench bench(device(), kCamera, keeping());
+  std::vector<Surfel> before;
+  for (int i = 0; i < 400; ++i) {
+    before.push_back(surfel_seen_at(kCamera, 2 + i % 20, i / 20, 1, 50));
+    before.back().r = before.back().g = before.back().b = 255 - static_cast<float>(i) / 8;
+  }
+  test::upload(before, bench.store);
+  const FuseInput frame = test::frontal_frame(kCamera, 1, 1);
+  bench.fuse(frame, kNow, {}, ColorFusion::kReplace);
+  bench.clean(kNow);
+  const std::vector<Surfel> replaced = bench.store.download();
+  MapBench fresh(device(), kCamera, keeping());
+  fresh.fuse(frame, kNow);
+  fresh.clean(kNow);
+  const std::vector<Surfel> added = fresh.store.download();
+  ASSERT_FALSE(added.empty());
+  for (std::size_t slot = 0; slot < before.size(); ++slot) {
+    ASSERT_GT(replaced[slot].confidence, 50) << slot;
+    ASSERT_NEAR(static_cast<double>(replaced[slot].r), static_cast<double>(added[0].r), 1)
+        << slot << ": the frame has one colour";
   }
 }
 

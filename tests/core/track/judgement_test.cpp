@@ -160,6 +160,50 @@ TEST(Judgement, AnImageWorseThanTheMapsIsAWarningAndItsColoursAreNotBelieved) {
   }
 }
 
+// A lamp went out: sharp, of the same shape, and corners go on as the camera does.
+TrackingEvidence in_new_light() {
+  TrackingEvidence evidence = good();
+  evidence.agreement.correlation = 0.5;
+  evidence.agreement.sharpness = 0.9;
+  evidence.corners = {42, 0.9};
+  evidence.follows_good_image = true;
+  return evidence;
+}
+
+TEST(Judgement, NewLightIsAWarningAndItsColoursReplaceTheOldOnes) {
+  const Judgement judgement = judge(in_new_light(), TrackOptions{});
+  EXPECT_EQ(judgement.status, TrackingStatus::kWeak);
+  EXPECT_THAT(judgement.reason, StartsWith("light: it has changed"));
+  EXPECT_TRUE(judgement.light_has_changed);
+}
+
+// Until all colours are replaced, the map's image is a mixture, sharper than any frame.
+TEST(Judgement, NewLightGoesOnUntilAllColoursAreReplaced) {
+  TrackingEvidence evidence = in_new_light();
+  evidence.agreement.correlation = 0.9;
+  evidence.agreement.sharpness = 0.4;
+  EXPECT_FALSE(judge(evidence, TrackOptions{}).light_has_changed) << "it is blurred";
+  evidence.is_light_new = true;
+  EXPECT_TRUE(judge(evidence, TrackOptions{}).light_has_changed);
+}
+
+TEST(Judgement, WhatMayBeAnotherPlaceOrABadImageIsNotNewLight) {
+  const Case cases[] = {
+      {"found again", [](TrackingEvidence& e) { e.follows_good_image = false; }},
+      {"another shape", [](TrackingEvidence& e) { e.agreement.agreeing = 0.8; }},
+      {"few corners", [](TrackingEvidence& e) { e.corners.count = 12; }},
+      {"corners go another way", [](TrackingEvidence& e) { e.corners.share = 0.5; }},
+      {"blurred", [](TrackingEvidence& e) { e.agreement.sharpness = 0.5; }},
+      {"no image", [](TrackingEvidence& e) { e.agreement.grey_deviation = 3; }},
+      {"as before", [](TrackingEvidence& e) { e.agreement.correlation = 0.9; }},
+  };
+  for (const Case& c : cases) {
+    TrackingEvidence evidence = in_new_light();
+    c.change(evidence);
+    EXPECT_FALSE(judge(evidence, TrackOptions{}).light_has_changed) << c.reason;
+  }
+}
+
 TEST(Judgement, AScanInTheDarkHasNoImageToBeWorseThan) {
   TrackingEvidence evidence = good();
   evidence.content.mean_grey = evidence.content.texture = 0;
