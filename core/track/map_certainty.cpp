@@ -59,8 +59,9 @@ constexpr double kAllWays = 0.15;
 
 // Surfaces disagree by this factor where only noise is wrong, since it is correlated over
 // pixels: 1.2 to 2 in rendered scenes with a Kinect's noise, up to 6 with a rolling shutter of 20
-// ms, 4 to 20 in TUM's fr1. All variances grow by what is beyond it (as by the ratio of Birge,
-// 1932): what is wrong with the camera is not known, but that something is.
+// ms, 4 to 20 in TUM's fr1. What errors of the camera do not explain of a covariance grows by what
+// is beyond it (as by the ratio of Birge, 1932): what else is wrong is not known, but that
+// something is.
 constexpr double kUsualDisagreement = 2;
 
 // Negligible beside any information, decisive where there is none.
@@ -116,6 +117,13 @@ Eigen::MatrixXd MapCertainty::share_of(const KnownSurface& known) const {
   }
   share.rightCols<6>() += rest;
   return share;
+}
+
+// Returns the part of a frame's covariance that errors of the camera explain.
+Matrix6d MapCertainty::of_camera(const Eigen::MatrixXd& share) const {
+  const Eigen::MatrixXd cross = share * covariance_.leftCols<kCameraDoubtCount>();
+  return cross * covariance_.topLeftCorner<kCameraDoubtCount, kCameraDoubtCount>().ldlt().solve(
+                     cross.transpose());
 }
 
 // Kalman update for observed = of_state * state + noise.
@@ -191,9 +199,10 @@ PoseUncertainty MapCertainty::observe(const frame::CoarseView& view,
   if (!is_first) {
     const Eigen::VectorXd mean = share * mean_;
     const Matrix6d change = at_camera(world_from_camera.translation);
+    const double beyond = std::max(1.0, step.disagreement / kUsualDisagreement) - 1;
+    const Matrix6d covariance = share * covariance_ * share.transpose() + step_covariance;
     result.second_moment =
-        std::max(1.0, step.disagreement / kUsualDisagreement) * change *
-        (share * covariance_ * share.transpose() + step_covariance + mean * mean.transpose()) *
+        change * (covariance + beyond * (covariance - of_camera(share)) + mean * mean.transpose()) *
         change.transpose();
     auto position = result.second_moment.topLeftCorner<3, 3>(),
          rotation = result.second_moment.bottomRightCorner<3, 3>();

@@ -87,6 +87,7 @@ class MapCertainty {
 
  private:
   Eigen::MatrixXd share_of(const KnownSurface& known) const;
+  Matrix6d of_camera(const Eigen::MatrixXd& share) const;
   bool close_loop(const KnownSurface& known, const Matrix6d& step_covariance);
   void learn_camera(const frame::CoarseView& seen, const Rigid3& world_from_camera,
                     const Ground& ground);

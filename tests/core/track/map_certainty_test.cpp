@@ -92,16 +92,22 @@ TEST(MapCertainty, OldGroundBoundsIt) {
   EXPECT_NEAR(back_m, at_first_m, 0.2 * at_first_m);
 }
 
-// If surfaces disagree four times as much as usual, so may everything else.
+// If surfaces disagree four times as much as usual, all variances grow so, except for what errors
+// of the camera explain.
 TEST(MapCertainty, GrowsIfSurfacesDisagreeMoreThanUsual) {
   double as_usual_m = 0;
-  for (const double disagreement : {1.0, 2.0, 8.0}) {
+  for (const double disagreement : {1.0, 2.0, 80.0}) {
     Walk walk;
     walk.see(at(0, 0, 0));
     const double sigma_m =
         walk.see(at(0.02, 0, 20), {.disagreement = disagreement}).position_sigma_m();
     if (disagreement == 1) as_usual_m = sigma_m;
-    EXPECT_NEAR(sigma_m, disagreement == 8 ? 2 * as_usual_m : as_usual_m, 1e-9) << disagreement;
+    if (disagreement < 80) {
+      EXPECT_EQ(sigma_m, as_usual_m) << disagreement;
+    } else {
+      EXPECT_GT(sigma_m, 1.01 * as_usual_m);
+      EXPECT_LT(sigma_m, 1.1 * as_usual_m);
+    }
   }
 }
 
