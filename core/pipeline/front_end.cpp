@@ -262,14 +262,18 @@ Motion FrontEnd::track(const frame::PreparedFrame& frame, const track::CornerVer
   evidence.reference_from_camera = motion;
   evidence.turn_seen_rad = angle_rad(turned.rotation);
   track::Judgement judgement = track::judge(evidence, options_.track);
+  follow_image(judgement, found);
+  return {found, std::move(judgement)};
+}
+
+// Learns from the frame what the images of the next ones are compared with.
+void FrontEnd::follow_image(const track::Judgement& judgement, track::OdometryResult& found) {
   if (judgement.status != track::TrackingStatus::kLost)
     usual_information_ = track::usual_information_after(usual_information_, found.agreement);
+  if (!new_light_.follow(judgement, found.brightness)) return;
   // Views in the old light would take the new one for a spot of light, or for shading of the lens.
-  if (new_light_.follow(judgement, found.brightness)) {
-    light_.forget();
-    earlier_.forget();
-  }
-  return {found, std::move(judgement)};
+  light_.forget();
+  earlier_.forget();
 }
 
 void FrontEnd::keep(const frame::PreparedFrame& frame, const adjust::MapLayout& layout) {

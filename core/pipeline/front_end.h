@@ -149,6 +149,7 @@ class FrontEnd {
                               int lost_count);
   void remember_corners(const frame::ImageFeatures& features, const DepthImage& depth);
   void use_shading();
+  void follow_image(const track::Judgement& judgement, track::OdometryResult& found);
   void hide(const frame::CoarseMask& mask, const frame::CoarseMask& light);
   void predict_from(const Rigid3& world_from_camera, const map::SubmapSet& submaps,
                     map::FillIn fill_in = map::FillIn::kNothing);
