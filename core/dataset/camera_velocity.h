@@ -12,9 +12,6 @@ namespace hermite::dataset {
 // changes its direction within some tenths of a second: ten frames per second, and a fifth more.
 inline constexpr double kMaxVelocityGap_s = 0.12;
 
-// Timestamps in a trajectory file are rounded to microseconds.
-inline constexpr double kSameTime_s = 1e-4;
-
 // Returns the camera's twist per second (translation part first), in its own coordinate frame at
 // that time, so that its pose a time t later is world_from_camera * exp_se3(t * twist). It is taken
 // between the poses before and after that of `timestamp_s`; at the ends of the trajectory and

@@ -17,6 +17,9 @@ struct TimedPose {
 };
 using Trajectory = std::vector<TimedPose>;  // ascending in time
 
+// Times that differ by less are the same: files round them to microseconds.
+inline constexpr double kSameTime_s = 1e-4;
+
 // Errors name the line. Rejects numbers that are not finite, quaternions that are not of unit
 // length within 1 %, and times that decrease.
 Result<Trajectory> parse_tum_trajectory(const std::string& text);

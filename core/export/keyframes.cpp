@@ -10,7 +10,6 @@
 namespace hermite::exports {
 namespace {
 
-constexpr double kSameTime_s = 1e-4;  // trajectory files have six decimals
 constexpr double kSpacingGrowth = 1.25;
 constexpr int kMostGrowths = 60;  // to 70 km
 
@@ -85,9 +84,10 @@ Result<std::vector<SeenFrame>> frames_with_poses(const dataset::Sequence& sequen
   std::size_t at = 0;
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
     const double time_s = sequence.timestamp_s(i);
-    while (at < trajectory.size() && trajectory[at].timestamp_s < time_s - kSameTime_s) ++at;
+    while (at < trajectory.size() && trajectory[at].timestamp_s < time_s - dataset::kSameTime_s)
+      ++at;
     if (at == trajectory.size()) break;
-    if (trajectory[at].timestamp_s <= time_s + kSameTime_s && tracked[at])
+    if (trajectory[at].timestamp_s <= time_s + dataset::kSameTime_s && tracked[at])
       frames.push_back({i, trajectory[at].world_from_camera, 0});
   }
   if (frames.empty())

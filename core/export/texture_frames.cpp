@@ -11,8 +11,6 @@ namespace hermite::exports {
 
 namespace {
 
-constexpr double kSameTime_s = 1e-4;
-
 // Returns the camera that took the colour images.
 Camera color_camera_of(const Camera& camera) {
   Camera color = camera;
@@ -65,7 +63,7 @@ texture::TextureFrames texture_frames_of(const dataset::Sequence& sequence,
   const dataset::Trajectory tracked = without_lost(trajectory);
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
     const std::optional<Rigid3> world_from_camera =
-        dataset::pose_at(tracked, sequence.timestamp_s(i), kSameTime_s);
+        dataset::pose_at(tracked, sequence.timestamp_s(i), dataset::kSameTime_s);
     frames.world_from_camera.push_back(
         world_from_camera ? std::optional<Rigid3>(*world_from_camera * depth_from_color)
                           : std::nullopt);

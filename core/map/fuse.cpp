@@ -7,10 +7,12 @@ namespace hermite::map {
 
 namespace {
 
-// A workgroup processes a tile of 16 x 16 pixels, with a bit for each; see shaders/lib/blocks.glsl.
-constexpr std::uint32_t kWordsOfTile = 16 * 16 / 32;
+// A workgroup processes a tile of the image, with a bit for each pixel.
+constexpr std::uint32_t kTileSide = HERMITE_TILE_SIDE;
+constexpr std::uint32_t kPixelsOfTile = kTileSide * kTileSide, kWordsOfTile = kPixelsOfTile / 32;
 std::uint32_t tile_count(const shared::Intrinsics& camera) {
-  return ((camera.width + 15) / 16) * ((camera.height + 15) / 16);
+  return ((camera.width + kTileSide - 1) / kTileSide) *
+         ((camera.height + kTileSide - 1) / kTileSide);
 }
 
 }  // namespace
@@ -58,7 +60,7 @@ void Fuser::fuse(gpu::Commands& commands, const frame::FrameMaps& frame, SurfelS
                  const IndexMap& all, FusedFrame fused) {
   const frame::SurfaceLevel& surface = frame.surface.levels[0];
   const shared::FuseParams params = params_of(surface.camera, store, fused);
-  const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
+  const std::uint32_t tiles = tile_count(surface.camera), threads = kPixelsOfTile * tiles;
   const gpu::BufferRef new_pixels = claims_;  // which merging needs no more
   const gpu::GroupCounts new_groups{store.state,
                                     offsetof(shared::MapState, new_groups) / sizeof(shared::uint)};

@@ -287,8 +287,7 @@ Result<FloorPlan> floor_plan_of(const PlanSource& source) {
     for (const OutlineLoop& loop : outlines_of(*cells, index)) {
       walls.push_back(walls_of(loop, lines, *surface));
       room.loops.push_back(loop_of(walls.back(), lines, *surface, source.map));
-      for (const PlanWall& wall : room.loops.back())
-        room.area_m2 += 0.5 * (wall.from_m.x() * wall.to_m.y() - wall.from_m.y() * wall.to_m.x());
+      room.area_m2 += area_m2_of(room.loops.back());
     }
     if (room.area_m2 < kLeastRoom_m2) continue;
     room.seen_share = seen_share_of(room.loops);

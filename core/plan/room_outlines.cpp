@@ -75,13 +75,6 @@ OutlineLoop joined(const OutlineLoop& loop) {
 
 }  // namespace
 
-double area_m2_of(const OutlineLoop& loop) {
-  double twice = 0;
-  for (const OutlineEdge& edge : loop)
-    twice += edge.from_m.x() * edge.to_m.y() - edge.from_m.y() * edge.to_m.x();
-  return twice / 2;
-}
-
 std::vector<OutlineLoop> outlines_of(const PlanCells& plan, int room) {
   const std::vector<OutlineEdge> edges = edges_of(plan, room);
   std::vector<bool> taken(edges.size());

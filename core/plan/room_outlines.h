@@ -19,7 +19,13 @@ using OutlineLoop = std::vector<OutlineEdge>;  // each edge ends where the next 
 // stands free in it, clockwise.
 std::vector<OutlineLoop> outlines_of(const PlanCells& plan, int room);
 
-// The enclosed area; negative if the loop is clockwise.
-double area_m2_of(const OutlineLoop& loop);
+// Returns the area that a loop of edges or walls encloses; negative if the loop is clockwise.
+template <class Edge>
+double area_m2_of(const std::vector<Edge>& loop) {
+  double twice_m2 = 0;
+  for (const Edge& edge : loop)
+    twice_m2 += edge.from_m.x() * edge.to_m.y() - edge.from_m.y() * edge.to_m.x();
+  return twice_m2 / 2;
+}
 
 }  // namespace hermite::plan

@@ -9,8 +9,8 @@ namespace hermite::track {
 
 namespace {
 
-// A bend is reported if it is at least this large and exceeds this many standard deviations.
-constexpr double kLeastBend = 0.008, kDoubtSigmas = 5;
+// A bend is reported only if it is at least this large.
+constexpr double kLeastBend = 0.008;
 
 }  // namespace
 
@@ -20,7 +20,7 @@ std::string CalibrationDoubt::reason() const {
                        100 * std::abs(off));
   };
   const std::string no_fit = "the camera's calibration does not fit:";
-  if (std::abs(bend) >= std::max(kLeastBend, kDoubtSigmas * deviation))
+  if (std::abs(bend) >= std::max(kLeastBend, kKnownSigmas * deviation))
     return fmt::format("{} depth in the corners of the image is {}", no_fit, by_about(bend));
   if (certain.focal != 0)
     return fmt::format("{} its focal length is {}", no_fit, by_about(certain.focal));

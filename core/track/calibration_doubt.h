@@ -5,6 +5,9 @@
 
 namespace hermite::track {
 
+// An error of the camera counts as known from so many of its standard deviations on.
+inline constexpr double kKnownSigmas = 5;
+
 // Errors of a camera that were found elsewhere and are certain; 0: none.
 struct CertainErrors {
   double focal = 0;     // share by which the stated focal length is too large

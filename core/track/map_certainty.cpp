@@ -46,10 +46,6 @@ constexpr double kAlikePixels = 6;
 // (scene=loop, 620 frames) views gave 3.8 % too much, with a standard deviation of 0.6.
 constexpr double kBendBias = 0.005;
 
-// An error of the camera counts as known from so many standard deviations on, as in
-// calibration_doubt.cpp.
-constexpr double kKnownSigmas = 5;
-
 // Standard deviation of an error of the camera that is reported as found.
 constexpr double kToldDeviation = 0.001;
 

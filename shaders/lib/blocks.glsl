@@ -8,9 +8,8 @@
 // divided into 4 x 4 zones, and each has its own free slots.
 const uint kBlock = 256u;
 const uint kNewWords = kBlock / 32u;  // of bits, one per pixel of a tile
-// Side of the tiles in which fusion processes the image; a tile has as many pixels as a block has
-// slots.
-const uint kTileSide = 16u;
+// A tile has as many pixels as a block has slots.
+const uint kTileSide = uint(HERMITE_TILE_SIDE);
 
 // Flag in the list of blocks, whose entries are block | zone << 16: the block is not in view and is
 // listed only because it is its turn.

@@ -38,6 +38,9 @@ struct MapState {
   ZoneSlots zones[HERMITE_ZONES];
 };
 
+// Side of the tiles in which fusion processes the image, in pixels.
+#define HERMITE_TILE_SIDE 16
+
 // Bounds of 256 neighbouring slots, see shaders/lib/blocks.glsl.
 struct BlockBounds {
   uint reach[8];

@@ -12,7 +12,7 @@ import {
 import { fetchAccess } from '../connection/scans';
 import { pinAt, type NotePin } from '../scene/note_layer';
 import type { ScanScene } from '../scene/scene';
-import type { LiveScan } from '../state/live_scan';
+import { hasEnded, type LiveScan } from '../state/live_scan';
 import { storeDraft } from '../state/note_drafts';
 import { saveDraft, type NoteServer } from '../state/note_saving';
 import {
@@ -304,8 +304,7 @@ function whenThere({ scan, store, button, list, open }: Beginning, show: () => v
   let asked = false;
   button.hidden = true;
   return scan.subscribe(({ phase, points, mesh }) => {
-    const ended = phase === 'finished' || phase === 'interrupted' || phase === 'failed';
-    button.hidden = !ended || (points === 0 && mesh.state !== 'shown');
+    button.hidden = !hasEnded(phase) || (points === 0 && mesh.state !== 'shown');
     if (button.hidden || asked) return;
     asked = true;
     const linked = store.get().chosen !== null;

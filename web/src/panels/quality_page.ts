@@ -9,6 +9,7 @@ import { fetchAccess, fetchReport, type Report } from '../connection/scans';
 import { ModelImages, NoWebGl } from '../scene/model_images';
 import { pathOf, type CameraPath } from '../state/camera_path';
 import {
+  hasEnded,
   initialLiveScan,
   reduceLiveScan,
   type LiveScan,
@@ -67,7 +68,7 @@ export function qualityPage(scanId: string, token: string): QualityPage {
     if (ended.signal.aborted) return;
     showState(parts, state, told.gone);
     if (state.phase !== 'unknown') watch(); // the server has it
-    if (!hasEnded(state)) return;
+    if (!isComplete(state)) return;
     load();
     const isSettled = isMeshSettled(state);
     if (isSettled && isLoaded) draw();
@@ -108,9 +109,8 @@ export function qualityPage(scanId: string, token: string): QualityPage {
   };
 }
 
-const hasEnded = ({ connection, phase }: LiveScan): boolean =>
-  connection === 'closed' &&
-  (phase === 'finished' || phase === 'interrupted' || phase === 'failed');
+const isComplete = ({ connection, phase }: LiveScan): boolean =>
+  connection === 'closed' && hasEnded(phase);
 
 function once(act: () => void): () => void {
   let done = false;
@@ -205,7 +205,7 @@ function showState(
       : (emptyText(state) ?? '');
   setText(notice, said);
   notice.hidden = said === '';
-  model.parentElement!.hidden = !hasEnded(state);
+  model.parentElement!.hidden = !isComplete(state);
 }
 
 function summaryText(state: LiveScan): string {
