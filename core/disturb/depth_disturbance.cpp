@@ -95,6 +95,30 @@ class Sparse : public dataset::ChangedSequence {
   const double keep_;
 };
 
+// Depth in metres that a camera can measure.
+struct Reach {
+  double min_m = 1.5, max_m = 10;
+};
+
+class Reaching : public dataset::ChangedSequence {
+ public:
+  Reaching(std::unique_ptr<dataset::Sequence> original, const Reach& reach)
+      : dataset::ChangedSequence(std::move(original)), reach_(reach) {}
+
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+    Result<dataset::RecordedFrame> frame = original_->read(index);
+    if (!frame.ok()) return frame;
+    const double units_per_metre = original_->camera().depth_units_per_metre;
+    for (std::uint16_t& depth : frame->depth.pixels)
+      if (depth < reach_.min_m * units_per_metre || depth > reach_.max_m * units_per_metre)
+        depth = 0;
+    return frame;
+  }
+
+ private:
+  const Reach reach_;
+};
+
 class Refocused : public dataset::ChangedSequence {
  public:
   Refocused(std::unique_ptr<dataset::Sequence> original, double percent)
@@ -151,6 +175,13 @@ Opened with_bend(std::unique_ptr<dataset::Sequence> sequence, const std::string&
 
 Opened with_sparse(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   return with_number<Sparse>(std::move(sequence), "sparse", options, {"keep", 0.01, 1, 0.1});
+}
+
+Opened with_reach(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
+  Reach reach;
+  const Status status = apply_key_values(options, {number_rule("min_m", 0, 10, reach.min_m),
+                                                   number_rule("max_m", 0.1, 100, reach.max_m)});
+  return when_ok<Reaching>(status, "reach", std::move(sequence), reach);
 }
 
 Opened with_focal(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {

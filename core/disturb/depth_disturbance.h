@@ -7,6 +7,10 @@
 //     percent   -10 to 10 (1.5)
 //   +sparse     depth only where the image has most texture, in blobs, as from stereo
 //     keep      0.01 to 1 (0.1)     share of the pixels with depth that is kept
+//   +reach      the depth camera measures only within limits; what is nearer is as missing as what
+//               is farther
+//     min_m     0 to 10 (1.5)
+//     max_m     0.1 to 100 (10)
 //   +focal      the stated focal length of the camera differs from the true one
 //     percent   -10 to 10 (1)
 //   +skip       only every n-th frame is present
@@ -25,6 +29,8 @@ Result<std::unique_ptr<dataset::Sequence>> with_bend(std::unique_ptr<dataset::Se
                                                      const std::string& options);
 Result<std::unique_ptr<dataset::Sequence>> with_sparse(std::unique_ptr<dataset::Sequence> sequence,
                                                        const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_reach(std::unique_ptr<dataset::Sequence> sequence,
+                                                      const std::string& options);
 Result<std::unique_ptr<dataset::Sequence>> with_focal(std::unique_ptr<dataset::Sequence> sequence,
                                                       const std::string& options);
 Result<std::unique_ptr<dataset::Sequence>> with_skip(std::unique_ptr<dataset::Sequence> sequence,

@@ -25,7 +25,7 @@ namespace hermite::source {
 //   +covered=FROM:COUNT +missing=FROM:COUNT   disturbance.h
 //   +exposure +flicker +vignetting            color_disturbance.h
 //   +person                                   moving_person.h
-//   +bend +sparse +focal +skip                depth_disturbance.h
+//   +bend +sparse +reach +focal +skip         depth_disturbance.h
 //   +lens                                     lens_disturbance.h
 //   +rolling +clock +blur                     shutter_disturbance.h
 //   +mirror +glass +screen +door              pane_disturbance.h

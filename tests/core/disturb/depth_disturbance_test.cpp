@@ -54,6 +54,20 @@ TEST(DepthDisturbance, SparseDepthLiesWhereTheImageHasTexture) {
   EXPECT_LT(lonely, 0.01 * count(sparse)) << "in blobs";
 }
 
+TEST(DepthDisturbance, DepthBeyondTheReachIsMissing) {
+  const DepthImage whole = depth_of("", 4), reached = depth_of("+reach=min_m=1.8,max_m=2.5", 4);
+  const double units = (*source::open_sequence(kSource))->camera().depth_units_per_metre;
+  int missing = 0;
+  for (std::size_t i = 0; i < whole.pixels.size(); ++i) {
+    const double depth_m = whole.pixels[i] / units;
+    const bool is_reached = depth_m >= 1.8 && depth_m <= 2.5;
+    EXPECT_EQ(reached.pixels[i], is_reached ? whole.pixels[i] : 0);
+    missing += is_reached ? 0 : 1;
+  }
+  EXPECT_GT(missing, 100);
+  EXPECT_LT(missing, 96 * 72 - 100);
+}
+
 TEST(DepthDisturbance, AnotherFocalLengthIsOnlySaid) {
   const auto plain = *source::open_sequence(kSource),
              refocused = *source::open_sequence(kSource + "+focal=percent=-2");
@@ -76,6 +90,7 @@ TEST(DepthDisturbance, SkippedFramesAreNotThere) {
 TEST(DepthDisturbance, NonsenseIsAnErrorWithAMessage) {
   EXPECT_THAT(error_of("+bend=percent=11"), HasSubstr("bend: option percent is \"11\""));
   EXPECT_THAT(error_of("+sparse=keep=0"), HasSubstr("sparse: option keep"));
+  EXPECT_THAT(error_of("+reach=min_m=11"), HasSubstr("reach: option min_m"));
   EXPECT_THAT(error_of("+focal=length=3"), HasSubstr("focal: there is no option \"length\""));
   EXPECT_THAT(error_of("+skip=every=1"), HasSubstr("skip: option every"));
 }
