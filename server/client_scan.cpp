@@ -12,6 +12,7 @@
 
 #include "core/dataset/sequence.h"
 #include "server/capture/camera_kinds.h"
+#include "server/capture/known_camera.h"
 #include "server/capture/pause_key.h"
 #include "server/capture/scan.h"
 #include "server/capture/scan_display.h"
@@ -24,7 +25,7 @@ namespace {
 struct ScanArguments {
   StreamTarget target;
   std::string camera;
-  std::string intrinsics;
+  std::string intrinsics, known_camera;
   std::string record_folder;
   std::uint64_t frame_count = 0;
   int preflight_frames = client::kPreflightFrames;
@@ -49,6 +50,11 @@ Result<client::ScanRequest> make_request(const ScanArguments& arguments,
 }
 
 Result<std::unique_ptr<client::CaptureCamera>> open_wanted_camera(const ScanArguments& arguments) {
+  if (!arguments.known_camera.empty()) {
+    const Result<std::optional<Camera>> known = client::known_camera_in(arguments.known_camera);
+    if (!known.ok()) return in_context("--known-camera", known.error());
+    return client::open_camera(arguments.camera, *known);
+  }
   if (arguments.intrinsics.empty()) return client::open_camera(arguments.camera, std::nullopt);
   const auto intrinsics = dataset::read_camera(arguments.intrinsics);
   if (!intrinsics.ok()) return in_context("--intrinsics", intrinsics.error());
@@ -107,6 +113,10 @@ int run(const ScanArguments& arguments) {
   const auto camera = open_wanted_camera(arguments);
   if (!camera.ok()) return fail(kFailed, camera.error().message);
   const client::CameraDescription& description = (*camera)->description();
+  if (!arguments.known_camera.empty())
+    if (const Status same = client::check_device(arguments.known_camera, description.name);
+        !same.ok())
+      return fail(kUsage, "--known-camera: " + same.error().message);
   const auto request = make_request(arguments, description);
   if (!request.ok()) return fail(kUsage, request.error().message);
   Person person;
@@ -117,7 +127,15 @@ int run(const ScanArguments& arguments) {
     return kFailed;
   }
   person.line(client::format_scan_summary(outcome->progress, arguments.record_folder));
-  return outcome->stream ? print_report(outcome->stream->report_json, arguments.target) : 0;
+  if (!outcome->stream) return 0;
+  if (!arguments.known_camera.empty()) {
+    const Status kept = client::keep_known_camera(outcome->stream->report_json, description.name,
+                                                  arguments.known_camera);
+    person.line(kept.ok() ? fmt::format("{} has what is known of the camera, for its next scan",
+                                        arguments.known_camera)
+                          : "--known-camera: " + kept.error().message);
+  }
+  return print_report(outcome->stream->report_json, arguments.target);
 }
 
 }  // namespace
@@ -130,7 +148,12 @@ Command add_scan_command(CLI::App& app) {
   scan.add_option("--camera", arguments->camera,
                   "A kind (kinect, openni, realsense), kinect:2 for the second, or "
                   "recording:SEQUENCE (default: the first there is)");
-  scan.add_option("--intrinsics", arguments->intrinsics, "camera.json of this very camera");
+  CLI::Option* const intrinsics =
+      scan.add_option("--intrinsics", arguments->intrinsics, "camera.json of this very camera");
+  scan.add_option("--known-camera", arguments->known_camera,
+                  "The same, and after the scan the file has what was found out about the camera, "
+                  "for its next scan; it need not exist yet")
+      ->excludes(intrinsics);
   scan.add_option("--record", arguments->record_folder,
                   "Keep every frame in this new folder, and send from there: nothing is lost when "
                   "the server is away");

@@ -8,6 +8,7 @@
 
 #include "core/adjust/features.h"
 #include "core/base/check.h"
+#include "core/calibrate/camera_watch.h"
 #include "core/calibrate/number_rules.h"
 #include "core/calibrate/view_choice.h"
 #include "core/dataset/camera_velocity.h"
@@ -203,6 +204,20 @@ bool agrees_better(const Trial& as_it_was, const Trial& best) {
          best.held_back.relative_median <= as_it_was.held_back.relative_median;
 }
 
+// Returns what may still be wrong with the camera. What was found and not applied may be an error.
+CameraDeviations deviations_of(const Calibration& found) {
+  const auto known = [&found](CameraNumber number, double stated, double least) {
+    const FoundNumber& of = found.numbers[number];
+    if (!(of.deviation > 0)) return stated;  // was not measured
+    const double left = of.is_applied ? of.deviation : std::hypot(of.value, of.deviation);
+    return std::clamp(left, least, kMaxCameraDeviation);
+  };
+  const CameraDeviations& stated = found.camera.deviations;
+  return {.bend = known(kBend, stated.bend, kFitting.bend),
+          .focal = known(kFocal, stated.focal, kFitting.focal),
+          .k1 = known(kRadial, stated.k1, kFitting.k1)};
+}
+
 // Decides whether the result is applied, by the agreement of the held-out pairs.
 void conclude(Calibration& result, const Camera& camera, const Trial& as_it_was, const Trial& best,
               const FreeNumbers& is_free) {
@@ -259,6 +274,7 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
       views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); });
   elimination.run(are_twists_known, camera.color ? Lenses::kTwo : Lenses::kOne);
   conclude(result, camera, as_it_was, elimination.best(), elimination.is_free());
+  result.camera.deviations = deviations_of(result);
   return result;
 }
 

@@ -44,7 +44,8 @@ struct FoundNumber {
 };
 
 struct Calibration {
-  Camera camera;  // the given camera with the applied parameters
+  // The given camera with the applied parameters, and the deviations of what may still be wrong.
+  Camera camera;
   bool is_applied = false;
   std::string reason;  // why nothing is applied, as text
   // All, in the order of CameraNumber; empty if there was too little data.

@@ -204,6 +204,11 @@ Result<CameraFile> parse_camera_json(const std::string& text) {
                                               {"color_readout_s", &timing.color_readout_s},
                                               {"color_delay_s", &timing.color_delay_s}});
   if (!of_timing.ok()) return of_timing.error();
+  CameraDeviations& deviations = file.camera.deviations;
+  const Status of_deviations = read_some_numbers(
+      object, "standard_deviations",
+      {{"bend", &deviations.bend}, {"focal", &deviations.focal}, {"k1", &deviations.k1}});
+  if (!of_deviations.ok()) return of_deviations.error();
   if (const Status status = validate(file.camera); !status.ok()) return status.error();
   if (object.contains("frame_rate_hz")) {
     const Result<double> rate = number_of(object, "frame_rate_hz");
@@ -257,6 +262,9 @@ std::string format_camera_json(const CameraFile& file) {
     object["timing"] = {{"depth_readout_s", timing.depth_readout_s},
                         {"color_readout_s", timing.color_readout_s},
                         {"color_delay_s", timing.color_delay_s}};
+  if (const CameraDeviations& deviations = camera.deviations; deviations != CameraDeviations{})
+    object["standard_deviations"] = {
+        {"bend", deviations.bend}, {"focal", deviations.focal}, {"k1", deviations.k1}};
   object["color_camera"] = nullptr;
   if (camera.color) {
     const ColorCamera& color = *camera.color;

@@ -16,6 +16,9 @@
 //   timing            an object with any of depth_readout_s, color_readout_s and color_delay_s
 //                     (Camera::timing): when the rows of the images are taken. Written by `hermite
 //                     calibrate`.
+//   standard_deviations  an object with any of bend, focal and k1 (Camera::deviations): what may be
+//                     wrong with these numbers. Written by `hermite calibrate`, and in known_camera
+//                     of report.json.
 // Other keys are ignored.
 #pragma once
 

@@ -117,6 +117,9 @@ Status validate(const Camera& camera) {
       {"timing.depth_readout_s", camera.timing.depth_readout_s, -kMaxReadout_s, kMaxReadout_s},
       {"timing.color_readout_s", camera.timing.color_readout_s, -kMaxReadout_s, kMaxReadout_s},
       {"timing.color_delay_s", camera.timing.color_delay_s, -kMaxColorDelay_s, kMaxColorDelay_s},
+      {"standard_deviations.bend", camera.deviations.bend, 0, kMaxCameraDeviation},
+      {"standard_deviations.focal", camera.deviations.focal, 0, kMaxCameraDeviation},
+      {"standard_deviations.k1", camera.deviations.k1, 0, kMaxCameraDeviation},
   };
   for (const Bound& bound : rest)
     if (!is_within(bound)) return out_of_range("camera.", bound);

@@ -85,6 +85,16 @@ struct ColorCamera {
   bool operator==(const ColorCamera& other) const;
 };
 
+// Standard deviations of what may be wrong with a camera's numbers, from an earlier calibration. 0:
+// not known, as for any camera that was never checked (core/track/map_certainty.cpp).
+struct CameraDeviations {
+  double bend = 0;   // of DepthCorrection::bend
+  double focal = 0;  // of the focal lengths, as a share
+  double k1 = 0;     // of Distortion::k1
+  bool operator==(const CameraDeviations&) const = default;
+};
+inline constexpr double kMaxCameraDeviation = 0.1;
+
 struct Camera {
   int width = 0;                          // pixels
   int height = 0;                         // pixels
@@ -96,6 +106,7 @@ struct Camera {
   std::optional<ColorCamera> color{};
   DepthCorrection depth_correction{};  // of depth as received, by pixel of the undistorted image
   ImageTiming timing{};                // of both images as received
+  CameraDeviations deviations{};       // of the numbers above
   bool operator==(const Camera&) const = default;
 
   Eigen::Vector2d project(const Eigen::Vector3d& point_in_camera) const {
@@ -133,7 +144,8 @@ Camera rectified(const Camera& camera);
 // kMaxImageSide_px], focal lengths that are not positive and finite or give a field of view outside
 // 10 to 150 degrees, a principal point outside the image, a depth scale outside [1, 1e6], a bend
 // beyond +-kMaxBend, an inverse offset beyond +-kMaxInverseOffset_per_m, readouts beyond
-// +-kMaxReadout_s, a delay beyond +-kMaxColorDelay_s, and a distortion that moves a corner of the
+// +-kMaxReadout_s, a delay beyond +-kMaxColorDelay_s,
+// standard deviations outside [0, kMaxCameraDeviation], and a distortion that moves a corner of the
 // image by more than a quarter of its width; the same for the colour camera (fields
 // camera.color.*), and for a color_from_depth with a quaternion that is not of unit length within
 // 1e-3 or a translation of more than kMaxColorBaseline_m.

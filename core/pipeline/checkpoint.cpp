@@ -40,18 +40,19 @@ std::string condition_text(const ColorCamera& color) {
 }
 
 std::string condition_text(const Camera& camera) {
-  return fmt::format(
-      "{}x{} {} {}{}{}{}", camera.width, camera.height,
+  std::string text = fmt::format(
+      "{}x{} {} {}", camera.width, camera.height,
       condition_text({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}),
-      condition_text(camera.distortion), camera.color ? " " + condition_text(*camera.color) : "",
-      camera.depth_correction == DepthCorrection{}
-          ? ""
-          : " depth " + condition_text({camera.depth_correction.bend,
-                                        camera.depth_correction.inverse_offset_per_m}),
-      camera.timing == ImageTiming{} ? ""
-                                     : " timing " + condition_text({camera.timing.depth_readout_s,
-                                                                    camera.timing.color_readout_s,
-                                                                    camera.timing.color_delay_s}));
+      condition_text(camera.distortion));
+  if (camera.color) text += " " + condition_text(*camera.color);
+  if (const DepthCorrection& depth = camera.depth_correction; depth != DepthCorrection{})
+    text += " depth " + condition_text({depth.bend, depth.inverse_offset_per_m});
+  if (const ImageTiming& timing = camera.timing; timing != ImageTiming{})
+    text += " timing " +
+            condition_text({timing.depth_readout_s, timing.color_readout_s, timing.color_delay_s});
+  if (const CameraDeviations& known = camera.deviations; known != CameraDeviations{})
+    text += " deviations " + condition_text({known.bend, known.focal, known.k1});
+  return text;
 }
 
 // Returns the content of the note NT_GNU_BUILD_ID of one segment, or an empty string.

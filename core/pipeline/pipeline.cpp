@@ -7,6 +7,7 @@
 #include "core/base/read_ahead.h"
 #include "core/calibrate/camera_numbers.h"
 #include "core/pipeline/camera_correction.h"
+#include "core/pipeline/camera_doubts.h"
 #include "core/pipeline/checkpoint.h"
 #include "core/pipeline/cloud_points.h"
 #include "core/pipeline/frame_preparer.h"
@@ -16,14 +17,6 @@
 namespace hermite::pipeline {
 
 namespace {
-
-track::CameraDoubts doubts_of(const calibrate::ShapeErrors& errors) {
-  track::CameraDoubts doubts;
-  doubts[track::kBendDoubt] = errors.bend;
-  doubts[track::kFocalDoubt] = errors.focal;
-  doubts[track::kRadialDoubt] = errors.k1;
-  return doubts;
-}
 
 const Camera& checked(const Camera& camera) {
   const Status valid = validate(camera);
@@ -104,6 +97,7 @@ void Pipeline::Impl::begin_with(const Camera& camera) {
   reconstruction = std::make_unique<Reconstruction>(
       device, camera, options, back_end.mapping ? back_end.mapping(camera) : nullptr,
       is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
+  reconstruction->front_end.certainty().begin_with(believed(camera.deviations));
   auto next = std::make_shared<const FramePreparer>(camera, options, camera_count++);
   torn_frames = {};
   changes.begin_map(camera_count > 1);
@@ -132,15 +126,18 @@ FrameResult Pipeline::Impl::process(const frame::PreparedFrame& prepared) {
 
 // Takes what a check says of the shape of the current camera.
 void Pipeline::Impl::learn_shape(const calibrate::CameraCheck& check) {
+  track::MapCertainty& certainty = reconstruction->front_end.certainty();
   if (const std::optional<calibrate::MeasuredShape>& shape = check.measured)
-    reconstruction->front_end.certainty().observe_camera(doubts_of(shape->errors),
-                                                         doubts_of(shape->deviations));
+    certainty.observe_camera(doubts_of(shape->errors), doubts_of(shape->deviations));
+  else
+    certainty.forget_calibration();
 }
 
 // Starts over with the corrected camera and returns access to the past frames. Returns an empty
 // function if the camera stays as it is; its calibration is then in doubt.
 PastFrames Pipeline::Impl::correct_camera(const calibrate::CameraCheck& check) {
-  const Camera better = calibrate::changed(current_preparer()->camera(), check.change);
+  Camera better = calibrate::changed(current_preparer()->camera(), check.change);
+  better.deviations = {};  // were those of the camera that is corrected
   PastFrames past_frames;
   if (back_end.past_frames && !takes_camera_as_it_is && camera_count < kMostCameras &&
       validate(better).ok())
@@ -236,6 +233,7 @@ Status Pipeline::Impl::restore(ByteReader& bytes) {
   if (!bytes.ok()) return bytes.status();
   if (saved_camera_count > 1) {
     camera_count = saved_camera_count - 1;
+    camera.deviations = {};
     begin_with(camera);
   }
   change_fields(bytes, *this);
@@ -379,6 +377,9 @@ std::vector<SubmapPose> Pipeline::submap_poses() const {
 PipelineStatistics Pipeline::statistics() const {
   PipelineStatistics statistics = statistics_of(*impl_->reconstruction);
   statistics.torn_frame_count = impl_->torn_frames.count();
+  statistics.known_camera = impl_->current_preparer()->camera();
+  statistics.known_camera.deviations =
+      deviations_of(impl_->reconstruction->front_end.certainty().camera_error_rms());
   if (impl_->camera_count > 1) {
     statistics.corrected_camera = impl_->current_preparer()->camera();
     statistics.camera_correction =

@@ -24,10 +24,13 @@ struct PipelineStatistics {
   // Nullopt: no frame was tracked, or components are not joined.
   std::optional<track::ExpectedError> expected_error;
   std::string calibration_doubt;  // as text; empty: the camera fits its views
-  // As text; empty: the given calibration is in use. This and the next one are set by
+  // As text; empty: the given calibration is in use. This and the next two are set by
   // Pipeline::statistics().
   std::string camera_correction;
   std::optional<Camera> corrected_camera;  // set when the calibration was corrected
+  // The camera in use, with the standard deviations of what may still be wrong with it: for the
+  // next scan with the same device.
+  Camera known_camera;
   std::int64_t surfel_count = 0;
   std::int64_t surfel_slot_count = 0;  // in use or free again
   std::int64_t surfel_capacity = 0;    // slots with allocated memory

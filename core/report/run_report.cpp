@@ -49,11 +49,12 @@ std::string format_report_json(const RunReport& run, const dataset::Trajectory& 
                                 {"doubt_m", error->doubt_m}, {"camera_m", error->camera_m}};
   report["calibration_doubt"] = statistics.calibration_doubt;
   report["camera_correction"] = statistics.camera_correction;
-  if (statistics.corrected_camera) {
-    report["corrected_camera"] =
-        Json::parse(dataset::format_camera_json({*statistics.corrected_camera}));
-    report["corrected_camera"].erase("frame_rate_hz");  // unknown here
-  }
+  const auto put_camera = [&report](const char* key, const Camera& camera) {
+    report[key] = Json::parse(dataset::format_camera_json({camera}));
+    report[key].erase("frame_rate_hz");  // unknown here
+  };
+  if (statistics.corrected_camera) put_camera("corrected_camera", *statistics.corrected_camera);
+  put_camera("known_camera", statistics.known_camera);
   report["surfels"] = statistics.surfel_count;
   report["cloud_points"] = run.cloud_points;
   if (statistics.mapping)

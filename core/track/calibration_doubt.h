@@ -16,6 +16,14 @@ struct CertainErrors {
   bool operator==(const CertainErrors&) const = default;
 };
 
+// Saves or restores them.
+template <class Bytes, class Errors>
+void certain_errors_fields(Bytes& bytes, Errors& errors) {
+  bytes.number(errors.focal);
+  bytes.number(errors.k1);
+  bytes.number(errors.timing_s);
+}
+
 // What contradicts the camera's calibration.
 struct CalibrationDoubt {
   // Share by which depth in the corners of the image is too large, and its standard deviation.

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <span>
 
+#include "core/base/check.h"
 #include "core/math/rigid3_fields.h"
 #include "core/track/twist_covariance.h"
 
@@ -66,21 +67,6 @@ constexpr double kNothing = 1e-6;
 // Standard deviations of a loop measurement (links of core/adjust/submap_graph.cpp) and of a
 // relocalisation.
 constexpr double kLoop_m = 0.003, kLoop_rad = 0.002;
-
-template <class Bytes, class Terms>
-void terms_fields(Bytes& bytes, Terms& terms) {
-  constexpr std::size_t kCount = kCameraDoubtCount;
-  bytes.numbers(terms.slope.data(), kCount * kCount);
-  bytes.numbers(terms.information.data(), kCount * kCount);
-  bytes.numbers(terms.gradient.data(), kCount);
-}
-
-template <class Bytes, class Errors>
-void error_fields(Bytes& bytes, Errors& errors) {
-  bytes.number(errors.focal);
-  bytes.number(errors.k1);
-  bytes.number(errors.timing_s);
-}
 
 }  // namespace
 
@@ -268,6 +254,24 @@ CalibrationDoubt MapCertainty::calibration() const {
           scatter * std::sqrt(std::max(0.0, covariance_(kBendDoubt, kBendDoubt))), camera_errors_};
 }
 
+void MapCertainty::begin_with(const CameraDoubts& deviations) {
+  CHECK(views_.empty(), "begin_with() was called after a frame was observed");
+  auto variances = covariance_.diagonal().head<kCameraDoubtCount>();
+  withheld_ = (deviations.array() > 0)
+                  .select((variances - deviations.cwiseAbs2()).cwiseMax(0), CameraDoubts::Zero());
+  variances -= withheld_;
+}
+
+void MapCertainty::forget_calibration() {
+  if (withheld_.isZero()) return;
+  const CameraDoubtMatrix camera =
+      covariance_.topLeftCorner<kCameraDoubtCount, kCameraDoubtCount>();
+  const Eigen::MatrixXd of_camera =
+      camera.ldlt().solve(covariance_.topRows<kCameraDoubtCount>()).transpose();
+  covariance_ += of_camera * withheld_.asDiagonal() * of_camera.transpose();
+  withheld_.setZero();
+}
+
 void MapCertainty::camera_is_off(double bend, const CertainErrors& errors) {
   observe_camera({bend, errors.focal, errors.k1}, CameraDoubts::Constant(kToldDeviation));
   camera_errors_ = errors;
@@ -283,6 +287,11 @@ ExpectedError MapCertainty::expected_error(const Ground& ground) const {
 }
 
 void MapCertainty::observe_camera(const CameraDoubts& errors, const CameraDoubts& deviations) {
+  const CameraDoubts apart = errors - mean_.head<kCameraDoubtCount>(),
+                     variances =
+                         covariance_.diagonal().head<kCameraDoubtCount>() + deviations.cwiseAbs2();
+  if ((apart.cwiseAbs().array() > kKnownSigmas * variances.cwiseSqrt().array()).any())
+    forget_calibration();
   Eigen::MatrixXd of_state = Eigen::MatrixXd::Zero(kCameraDoubtCount, mean_.size());
   of_state.leftCols<kCameraDoubtCount>().setIdentity();
   update(of_state, errors, deviations.cwiseAbs2().asDiagonal().toDenseMatrix());
@@ -350,11 +359,12 @@ void MapCertainty::save(ByteWriter& bytes) const {
   bytes.number(way_m_);
   bytes.flags(was_active_);
   bytes.number(closure_count_);
-  error_fields(bytes, camera_errors_);
-  bytes.list(learned_, terms_fields<ByteWriter, const CameraTerms>);
+  certain_errors_fields(bytes, camera_errors_);
+  bytes.list(learned_, camera_terms_fields<ByteWriter, const CameraTerms>);
   path_noise_.save(bytes);
   place_doubt_.save(bytes);
   bytes.number(known_view_count_);
+  bytes.numbers(withheld_.data(), std::size_t{kCameraDoubtCount});
 }
 
 void MapCertainty::restore(ByteReader& bytes) {
@@ -374,16 +384,17 @@ void MapCertainty::restore(ByteReader& bytes) {
   bytes.number(way_m_);
   bytes.flags(was_active_);
   bytes.number(closure_count_);
-  error_fields(bytes, camera_errors_);
-  bytes.list(learned_, terms_fields<ByteReader, CameraTerms>);
+  certain_errors_fields(bytes, camera_errors_);
+  bytes.list(learned_, camera_terms_fields<ByteReader, CameraTerms>);
   path_noise_.restore(bytes, views_.size());
   place_doubt_.restore(bytes);
   bytes.number(known_view_count_);
+  bytes.numbers(withheld_.data(), std::size_t{kCameraDoubtCount});
   bytes.require(known_view_count_ <= views_.size(), "the views before the gap");
-  bytes.require(mean_.allFinite() && covariance_.allFinite() &&
-                    std::isfinite(camera_errors_.focal) && std::isfinite(camera_errors_.k1) &&
-                    std::isfinite(camera_errors_.timing_s),
-                "numbers of the certainty");
+  bytes.require(
+      mean_.allFinite() && covariance_.allFinite() && (withheld_.array() >= 0).all() &&
+          std::isfinite(camera_errors_.focal + camera_errors_.k1 + camera_errors_.timing_s),
+      "numbers of the certainty");
 }
 
 }  // namespace hermite::track

@@ -71,9 +71,24 @@ class MapCertainty {
 
   CalibrationDoubt calibration() const;
 
+  // Takes what an earlier calibration says: standard deviations in the order of CameraDoubt; 0:
+  // that of a camera that was never checked, which is also the greatest. CHECK: no frame was
+  // observed.
+  void begin_with(const CameraDoubts& deviations);
+
+  // Takes that back, since a check of the camera could not confirm it: all that was stated follows.
+  void forget_calibration();
+
+  // Returns the root mean square of what the camera's errors may be by now, in the same order.
+  CameraDoubts camera_error_rms() const {
+    return (covariance_.diagonal().head<kCameraDoubtCount>().cwiseMax(0) +
+            mean_.head<kCameraDoubtCount>().cwiseAbs2())
+        .cwiseSqrt();
+  }
+
   // Take results of the camera watch (core/calibrate/camera_watch.h): measured errors of the camera
   // and their standard deviations, in the order of CameraDoubt; or that it is certainly off, by
-  // this bend and these.
+  // this bend and these. What contradicts an earlier calibration takes that back.
   void observe_camera(const CameraDoubts& errors, const CameraDoubts& deviations);
   void camera_is_off(double bend, const CertainErrors& errors);
 
@@ -113,6 +128,8 @@ class MapCertainty {
   PlaceDoubt place_doubt_;
   std::size_t known_view_count_ = 0;  // views before the gap that casts doubt on the place
   CertainErrors camera_errors_;       // as reported by camera_is_off()
+  // Variances that an earlier calibration has taken from those of a camera that was never checked.
+  CameraDoubts withheld_ = CameraDoubts::Zero();
 };
 
 // Returns the covariance, as a twist about the world's origin, of a relocalisation at

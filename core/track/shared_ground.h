@@ -67,4 +67,13 @@ struct CameraTerms {
 };
 CameraTerms camera_terms(const SharedGround& pair);
 
+// Saves or restores them.
+template <class Bytes, class Terms>
+void camera_terms_fields(Bytes& bytes, Terms& terms) {
+  constexpr std::size_t kCount = kCameraDoubtCount;
+  bytes.numbers(terms.slope.data(), kCount * kCount);
+  bytes.numbers(terms.information.data(), kCount * kCount);
+  bytes.numbers(terms.gradient.data(), kCount);
+}
+
 }  // namespace hermite::track

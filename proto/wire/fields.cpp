@@ -133,6 +133,7 @@ Camera camera_from(const v1::Camera& message) {
   camera.distortion = distortion_from(message);
   camera.depth_correction = {message.depth_bend(), message.depth_inverse_offset_per_m()};
   camera.timing = {message.depth_readout_s(), message.color_readout_s(), message.color_delay_s()};
+  camera.deviations = {message.bend_deviation(), message.focal_deviation(), message.k1_deviation()};
   if (!message.has_color()) return camera;
   const v1::ColorCamera& color = message.color();
   camera.color = ColorCamera{color.fx(),
@@ -158,6 +159,9 @@ void write_camera(const Camera& camera, v1::Camera& message) {
   message.set_depth_readout_s(camera.timing.depth_readout_s);
   message.set_color_readout_s(camera.timing.color_readout_s);
   message.set_color_delay_s(camera.timing.color_delay_s);
+  message.set_bend_deviation(camera.deviations.bend);
+  message.set_focal_deviation(camera.deviations.focal);
+  message.set_k1_deviation(camera.deviations.k1);
   if (!camera.color) return;
   v1::ColorCamera& color = *message.mutable_color();
   color.set_fx(camera.color->fx);

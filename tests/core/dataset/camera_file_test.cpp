@@ -163,6 +163,22 @@ TEST(CameraFile, KeepsTheCorrectionOfDepth) {
               AllOf(HasSubstr("depth_correction.inverse_offset_per_m"), HasSubstr("allowed is")));
 }
 
+TEST(CameraFile, KeepsWhatIsKnownOfTheCamera) {
+  const auto with = [](const std::string& deviations) {
+    return parse_camera_json(
+        R"({"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 320, "cy": 240,
+            "depth_units_per_metre": 1000, "standard_deviations": )" +
+        deviations + "}");
+  };
+  const Result<CameraFile> file = with(R"({"bend": 0.001, "focal": 0.0015})");
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->camera.deviations, (CameraDeviations{0.001, 0.0015, 0}));
+  EXPECT_EQ(parse_camera_json(format_camera_json(*file))->camera, file->camera);
+  EXPECT_THAT(with("[]").error().message, HasSubstr("standard_deviations"));
+  EXPECT_THAT(with(R"({"focal": -1})").error().message,
+              AllOf(HasSubstr("standard_deviations.focal"), HasSubstr("allowed is")));
+}
+
 TEST(CameraFile, KeepsTheTimingOfRows) {
   const auto with = [](const std::string& timing) {
     return parse_camera_json(

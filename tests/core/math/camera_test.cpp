@@ -139,6 +139,26 @@ TEST(ValidateCamera, NamesTheFieldOfTheDepthCorrection) {
   }
 }
 
+TEST(ValidateCamera, NamesTheFieldOfTheDeviations) {
+  Camera camera = kKinect;
+  camera.deviations = {kMaxCameraDeviation, 0, kMaxCameraDeviation};
+  EXPECT_TRUE(validate(camera).ok());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  struct Case {
+    const char* field;
+    CameraDeviations deviations;
+  };
+  const Case cases[] = {{"bend", {-0.001, 0, 0}}, {"focal", {0, 0.11, 0}}, {"k1", {0, 0, nan}}};
+  for (const Case& test : cases) {
+    camera.deviations = test.deviations;
+    const Status status = validate(camera);
+    ASSERT_FALSE(status.ok()) << test.field;
+    EXPECT_THAT(status.error().message,
+                testing::StartsWith(std::string("camera.standard_deviations.") + test.field));
+    EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
+  }
+}
+
 TEST(ValidateCamera, NamesTheFieldOfTheTiming) {
   Camera camera = kKinect;
   camera.timing = {kMaxReadout_s, -kMaxReadout_s, -kMaxColorDelay_s};

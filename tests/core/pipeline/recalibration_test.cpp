@@ -131,6 +131,25 @@ TEST(Recalibration, MakesTheScanAnewAsWithTheRightCamera) {
   EXPECT_TRUE(output::format_ply(*scanned.pipeline->cloud()) == expected.cloud);
 }
 
+// The next scan of the same device begins with what this one found out.
+TEST(Recalibration, WhatIsKnownOfTheCameraIsForItsNextScan) {
+  const PipelineStatistics statistics = corrected_scan().pipeline->statistics();
+  const Camera& known = statistics.known_camera;
+  EXPECT_EQ(known.fx, statistics.corrected_camera->fx);
+  EXPECT_LT(known.deviations.bend, 0.002);
+  EXPECT_LT(known.deviations.focal, 0.002);
+  Pipeline next("", known, exporting_all());
+  double unknown_m = 0, known_m = 0;
+  Pipeline as_if_unknown("", *statistics.corrected_camera, exporting_all());
+  for (std::size_t i = 0; i < 20; ++i) {
+    known_m = next.process(recording().frames[i])->uncertainty->position_sigma_m();
+    unknown_m = as_if_unknown.process(recording().frames[i])->uncertainty->position_sigma_m();
+  }
+  EXPECT_GT(known_m, 0);
+  EXPECT_LT(known_m, 0.8 * unknown_m);
+  EXPECT_TRUE(poses_of(next) == poses_of(as_if_unknown)) << "only what is stated differs";
+}
+
 // A scan that is broken off after so many frames and goes on from its checkpoint ends as one that
 // was not.
 void expect_the_same_after_a_break_at(std::size_t broken_off) {

@@ -80,6 +80,50 @@ TEST(MapCertainty, BeginsWithNothingAndGrowsOnNewGround) {
   }
 }
 
+// What is not known of a camera bends the path; a camera that was calibrated does so less.
+TEST(MapCertainty, OfAKnownCameraLessIsStated) {
+  const auto far_sigma_m = [](const CameraDoubts& deviations) {
+    Walk walk;
+    walk.certainty.begin_with(deviations);
+    EXPECT_LE(walk.certainty.camera_error_rms().maxCoeff(), 0.010);
+    for (int turn_deg = 0; turn_deg < 150; turn_deg += 20) walk.see(at(0, 0, turn_deg));
+    return walk.see(at(0, 0, 150)).position_sigma_m();
+  };
+  const double unknown_m = far_sigma_m(CameraDoubts::Zero());
+  EXPECT_LT(far_sigma_m({0.001, 0.0015, 0.003}), 0.8 * unknown_m);
+  EXPECT_EQ(far_sigma_m(CameraDoubts::Constant(0.1)), unknown_m) << "worse than never checked";
+  MapCertainty certainty;
+  certainty.begin_with({0.001, 0, 0.002});
+  EXPECT_NEAR(certainty.camera_error_rms()[kBendDoubt], 0.001, 1e-12);
+  EXPECT_NEAR(certainty.camera_error_rms()[kFocalDoubt], 0.004, 1e-12) << "as it begins";
+  EXPECT_NEAR(certainty.camera_error_rms()[kRadialDoubt], 0.002, 1e-12);
+}
+
+// If a check of the camera says nothing, or the contrary, the earlier calibration was of another.
+TEST(MapCertainty, WhatIsNotConfirmedOfACameraIsForgotten) {
+  const auto seen = [](const CameraDoubts& deviations, const auto& in_between) {
+    Walk walk;
+    walk.certainty.begin_with(deviations);
+    for (int turn_deg = 0; turn_deg < 150; turn_deg += 20) walk.see(at(0, 0, turn_deg));
+    in_between(walk.certainty);
+    return walk.see(at(0, 0, 150)).position_sigma_m();
+  };
+  const CameraDoubts calibrated(0.001, 0.0015, 0.003), nothing = CameraDoubts::Zero();
+  const auto forget = [](MapCertainty& certainty) { certainty.forget_calibration(); };
+  const auto keep = [](MapCertainty&) {};
+  const double unknown_m = seen(nothing, keep);
+  EXPECT_EQ(seen(nothing, forget), unknown_m) << "there was nothing to forget";
+  EXPECT_LT(seen(calibrated, keep), 0.8 * unknown_m);
+  EXPECT_NEAR(seen(calibrated, forget), unknown_m, 0.15 * unknown_m);
+  const auto observe = [](double focal) {
+    return [focal](MapCertainty& certainty) {
+      certainty.observe_camera({0, focal, 0}, {0.01, 0.002, 0.01});
+    };
+  };
+  EXPECT_LT(seen(calibrated, observe(0.001)), seen(calibrated, keep));
+  EXPECT_GT(seen(calibrated, observe(0.02)), 2 * seen(calibrated, keep));
+}
+
 TEST(MapCertainty, OldGroundBoundsIt) {
   Walk walk;
   walk.see(at(0, 0, 0));

@@ -99,6 +99,7 @@ TEST(ClientMessage, TheColourCameraComesBackAsItWas) {
   start.camera.color = color_camera();
   start.camera.depth_correction = {-0.015, 0.02};
   start.camera.timing = {0.033, 0.03, -0.01};
+  start.camera.deviations = {0.001, 0.0015, 0.003};
   const Result<ClientMessage> message = round_trip(hello_with(start));
   ASSERT_TRUE(message.ok()) << message.error().message;
   EXPECT_EQ(std::get<StartScan>(std::get<Hello>(*message).role).camera, start.camera);
@@ -222,6 +223,8 @@ TEST(ClientMessage, ACameraThatCannotBeIsNamed) {
               HasSubstr("depth_correction.bend"));
   EXPECT_THAT(error_of([](StartScan& start) { start.camera.timing.color_delay_s = 0.2; }).message,
               HasSubstr("timing.color_delay_s"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.deviations.focal = 0.2; }).message,
+              HasSubstr("standard_deviations.focal"));
   const auto color_error = [](auto spoil) {
     return error_of([&](StartScan& start) {
              start.camera.color = color_camera();
