@@ -13,7 +13,8 @@ track::CameraDoubts doubts_of(const calibrate::ShapeErrors& errors) {
 }
 
 CameraDeviations deviations_of(const track::CameraDoubts& doubts) {
-  return {doubts[track::kBendDoubt], doubts[track::kFocalDoubt], doubts[track::kRadialDoubt]};
+  const track::CameraDoubts valid = doubts.cwiseMin(kMaxCameraDeviation);
+  return {valid[track::kBendDoubt], valid[track::kFocalDoubt], valid[track::kRadialDoubt]};
 }
 
 track::CameraDoubts believed(const CameraDeviations& stated) {

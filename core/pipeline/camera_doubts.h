@@ -9,6 +9,7 @@
 namespace hermite::pipeline {
 
 track::CameraDoubts doubts_of(const calibrate::ShapeErrors& errors);
+// At most kMaxCameraDeviation, so that a camera with them is valid.
 CameraDeviations deviations_of(const track::CameraDoubts& doubts);
 
 // Returns what is believed of the standard deviations of an earlier calibration: not less than what
