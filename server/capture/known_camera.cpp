@@ -13,7 +13,6 @@ namespace hermite::client {
 namespace {
 
 constexpr const char* kDevice = "device";
-constexpr std::size_t kMostBytes = 64 << 10;  // as of any camera.json
 
 }  // namespace
 
@@ -25,7 +24,7 @@ Result<std::optional<Camera>> known_camera_in(const std::string& path) {
 }
 
 Status check_device(const std::string& path, const std::string& device) {
-  const Result<std::string> text = dataset::read_text_file(path, kMostBytes);
+  const Result<std::string> text = dataset::read_text_file(path);
   if (!text.ok()) return dataset::is_file(path) ? Status(text.error()) : Status(Done{});
   const nlohmann::json file = nlohmann::json::parse(*text, nullptr, false);
   if (!file.is_object() || !file.contains(kDevice) || file[kDevice] == device) return Done{};
@@ -38,13 +37,13 @@ Status check_device(const std::string& path, const std::string& device) {
 Status keep_known_camera(const std::string& report_json, const std::string& device,
                          const std::string& path) {
   const nlohmann::json report = nlohmann::json::parse(report_json, nullptr, false);
-  const auto found = report.is_object() ? report.find("known_camera") : report.end();
-  if (!report.is_object() || found == report.end())
+  if (!report.is_object() || !report.contains("known_camera"))
     return Error{ErrorCode::kUnsupported,
                  fmt::format("the server's report does not say what is known of the camera: it is "
                              "older than this program. {} is as it was",
                              path)};
-  const Result<dataset::CameraFile> camera = dataset::parse_camera_json(found->dump());
+  const Result<dataset::CameraFile> camera =
+      dataset::parse_camera_json(report["known_camera"].dump());
   if (!camera.ok()) return in_context("known_camera of the server's report", camera.error());
   auto file = nlohmann::ordered_json::parse(dataset::format_camera_json(*camera));
   file[kDevice] = device;

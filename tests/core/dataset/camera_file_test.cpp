@@ -137,12 +137,17 @@ TEST(CameraFile, NamesEverybodyKnows) {
     EXPECT_TRUE(validate(*known_camera(name)).ok()) << name;
 }
 
+// A camera of which the file says this, too.
+Result<CameraFile> with_key(const std::string& key, const std::string& value) {
+  return parse_camera_json(
+      R"({"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 320, "cy": 240,
+          "depth_units_per_metre": 1000, ")" +
+      key + "\": " + value + "}");
+}
+
 TEST(CameraFile, KeepsTheCorrectionOfDepth) {
   const auto with = [](const std::string& correction) {
-    return parse_camera_json(
-        R"({"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 320, "cy": 240,
-            "depth_units_per_metre": 1000, "depth_correction": )" +
-        correction + "}");
+    return with_key("depth_correction", correction);
   };
   const Result<CameraFile> file = with(R"({"bend": -0.015, "inverse_offset_per_m": 0.02})");
   ASSERT_TRUE(file.ok()) << file.error().message;
@@ -165,10 +170,7 @@ TEST(CameraFile, KeepsTheCorrectionOfDepth) {
 
 TEST(CameraFile, KeepsWhatIsKnownOfTheCamera) {
   const auto with = [](const std::string& deviations) {
-    return parse_camera_json(
-        R"({"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 320, "cy": 240,
-            "depth_units_per_metre": 1000, "standard_deviations": )" +
-        deviations + "}");
+    return with_key("standard_deviations", deviations);
   };
   const Result<CameraFile> file = with(R"({"bend": 0.001, "focal": 0.0015})");
   ASSERT_TRUE(file.ok()) << file.error().message;
@@ -180,12 +182,7 @@ TEST(CameraFile, KeepsWhatIsKnownOfTheCamera) {
 }
 
 TEST(CameraFile, KeepsTheTimingOfRows) {
-  const auto with = [](const std::string& timing) {
-    return parse_camera_json(
-        R"({"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 320, "cy": 240,
-            "depth_units_per_metre": 1000, "timing": )" +
-        timing + "}");
-  };
+  const auto with = [](const std::string& timing) { return with_key("timing", timing); };
   const Result<CameraFile> file =
       with(R"({"depth_readout_s": 0.033, "color_readout_s": 0.03, "color_delay_s": -0.01})");
   ASSERT_TRUE(file.ok()) << file.error().message;

@@ -116,6 +116,13 @@ TEST(ValidateCamera, NamesTheFieldOfTheColourCamera) {
   }
 }
 
+void expect_refused(const Camera& camera, const std::string& field) {
+  const Status status = validate(camera);
+  ASSERT_FALSE(status.ok()) << field;
+  EXPECT_THAT(status.error().message, testing::StartsWith(field));
+  EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
+}
+
 TEST(ValidateCamera, NamesTheFieldOfTheDepthCorrection) {
   Camera camera = kKinect;
   camera.depth_correction = {kMaxBend, -kMaxInverseOffset_per_m};
@@ -131,11 +138,7 @@ TEST(ValidateCamera, NamesTheFieldOfTheDepthCorrection) {
                         {"inverse_offset_per_m", {0, nan}}};
   for (const Case& test : cases) {
     camera.depth_correction = test.correction;
-    const Status status = validate(camera);
-    ASSERT_FALSE(status.ok()) << test.field;
-    EXPECT_THAT(status.error().message,
-                testing::StartsWith(std::string("camera.depth_correction.") + test.field));
-    EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
+    expect_refused(camera, std::string("camera.depth_correction.") + test.field);
   }
 }
 
@@ -151,11 +154,7 @@ TEST(ValidateCamera, NamesTheFieldOfTheDeviations) {
   const Case cases[] = {{"bend", {-0.001, 0, 0}}, {"focal", {0, 0.11, 0}}, {"k1", {0, 0, nan}}};
   for (const Case& test : cases) {
     camera.deviations = test.deviations;
-    const Status status = validate(camera);
-    ASSERT_FALSE(status.ok()) << test.field;
-    EXPECT_THAT(status.error().message,
-                testing::StartsWith(std::string("camera.standard_deviations.") + test.field));
-    EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
+    expect_refused(camera, std::string("camera.standard_deviations.") + test.field);
   }
 }
 
@@ -173,11 +172,7 @@ TEST(ValidateCamera, NamesTheFieldOfTheTiming) {
                         {"color_delay_s", {0, 0, nan}}};
   for (const Case& test : cases) {
     camera.timing = test.timing;
-    const Status status = validate(camera);
-    ASSERT_FALSE(status.ok()) << test.field;
-    EXPECT_THAT(status.error().message,
-                testing::StartsWith(std::string("camera.timing.") + test.field));
-    EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
+    expect_refused(camera, std::string("camera.timing.") + test.field);
   }
 }
 

@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "core/dataset/camera_file.h"
 #include "core/output/ply.h"
 #include "tests/support/temporary_folder.h"
