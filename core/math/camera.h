@@ -144,11 +144,11 @@ Camera rectified(const Camera& camera);
 // kMaxImageSide_px], focal lengths that are not positive and finite or give a field of view outside
 // 10 to 150 degrees, a principal point outside the image, a depth scale outside [1, 1e6], a bend
 // beyond +-kMaxBend, an inverse offset beyond +-kMaxInverseOffset_per_m, readouts beyond
-// +-kMaxReadout_s, a delay beyond +-kMaxColorDelay_s,
-// standard deviations outside [0, kMaxCameraDeviation], and a distortion that moves a corner of the
-// image by more than a quarter of its width; the same for the colour camera (fields
-// camera.color.*), and for a color_from_depth with a quaternion that is not of unit length within
-// 1e-3 or a translation of more than kMaxColorBaseline_m.
+// +-kMaxReadout_s, a delay beyond +-kMaxColorDelay_s, standard deviations outside [0,
+// kMaxCameraDeviation], and a distortion that moves a corner of the image by more than a quarter of
+// its width; the same for the colour camera (fields camera.color.*), and for a color_from_depth
+// with a quaternion that is not of unit length within 1e-3 or a translation of more than
+// kMaxColorBaseline_m.
 Status validate(const Camera& camera);
 
 }  // namespace hermite
