@@ -221,6 +221,11 @@ test('a page of a site that the operator has named shows a scan without the tool
 }, async () => {
   const { page } = viewer;
   await page.getByRole('button', { name: 'More' }).click();
+  await page.getByRole('button', { name: 'Tags' }).click();
+  await page.getByLabel('Tags, with commas between them').fill('outside');
+  await page.getByRole('dialog').getByRole('button', { name: 'Save' }).click();
+  await page.locator('.status').getByText('outside', { exact: true }).waitFor();
+  await page.getByRole('button', { name: 'More' }).click();
   await page.getByRole('button', { name: 'Embed in a page' }).click();
   const sources = page.locator('.embedding textarea');
   await until(page, 'the HTML is there', () =>
@@ -240,10 +245,15 @@ test('a page of a site that the operator has named shows a scan without the tool
       'no tools',
     );
     const link = await inside.getByRole('link', { name: /Street/ }).getAttribute('href');
+    await inside.locator('.tag').getByText('outside').waitFor();
     await other.page.screenshot({ path: path.join(artifacts, `embedded-${name}.png`) });
     assert.deepEqual(other.complaints, []);
     await other.page.goto(new URL(link, server.origin).href);
     await other.page.getByRole('heading', { name: 'Street' }).waitFor({ timeout: limit_ms });
+    await other.page.locator('.status .tag').getByText('outside').waitFor();
+    await other.page.getByRole('button', { name: 'More' }).click();
+    await other.page.getByRole('button', { name: 'Mouse and keyboard' }).waitFor();
+    assert.equal(await other.page.getByRole('button', { name: 'Tags' }).count(), 0);
     await other.page.close();
   }
 });

@@ -830,6 +830,18 @@ test('a scan is stopped, renamed, found, and deleted with a way back', {
   await page.getByLabel('Title of the scan').fill('Corridor');
   await page.getByRole('dialog').getByRole('button', { name: 'Rename' }).click();
   await page.getByRole('heading', { name: 'Corridor' }).waitFor();
+  await page.getByRole('button', { name: 'More' }).click();
+  await page.getByRole('button', { name: 'Tags' }).click();
+  await page.getByLabel('Tags, with commas between them').fill('house 9, attic');
+  await page.getByRole('dialog').getByRole('button', { name: 'Save' }).click();
+  const tags = page.locator('.status .tag');
+  await tags.nth(1).waitFor();
+  assert.deepEqual(await tags.allTextContents(), ['attic', 'house 9'], 'as the server sorts them');
+  await page.reload();
+  await tags.nth(1).waitFor();
+  assert.deepEqual(await tags.allTextContents(), ['attic', 'house 9'], 'they are kept');
+  assert.deepEqual(await barriers(page), []);
+  await screenshot('tags');
   await page.getByRole('link', { name: 'All scans' }).click();
   await page.getByRole('link', { name: 'Corridor' }).waitFor();
   assert.deepEqual(await barriers(page), []);

@@ -2,6 +2,7 @@ import { describe, expect, it } from 'vitest';
 import {
   ApiError,
   fileNameOf,
+  parseScan,
   parseScans,
   refusalOf,
   shareLinkOf,
@@ -70,6 +71,13 @@ describe('parseScans', () => {
     for (const answer of [null, [], {}, { scans: 3 }])
       expect(() => parseScans(answer)).toThrow(ApiError);
   });
+});
+
+it('reads one scan as it reads those of the list, and refuses what is none', () => {
+  const row = { id: 'a', title: 'Hall', state: 'finished', tags: ['attic', 7, '', 'house 9'] };
+  expect(parseScan(row)).toEqual(parseScans({ scans: [row] }).scans[0]);
+  expect(parseScan(row).tags).toEqual(['attic', 'house 9']);
+  for (const wrong of [null, 'a', {}, { id: 7 }]) expect(() => parseScan(wrong)).toThrow(ApiError);
 });
 
 describe('withOlder', () => {

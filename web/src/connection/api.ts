@@ -47,7 +47,11 @@ export async function fetchScans(token: string, olderThan = ''): Promise<ScanLis
 
 export async function fetchScan(scanId: string, token: string): Promise<ScanSummary> {
   const response = await request(scanPath(scanId), token, { limit_ms: listLimit_ms });
-  const json: unknown = await response.json();
+  return parseScan(await response.json());
+}
+
+// Of one scan, as it is and after a change of it.
+export function parseScan(json: unknown): ScanSummary {
   if (!isRecord(json) || typeof json['id'] !== 'string')
     throw new ApiError(t.theServersAnswerCannotBeRead, false);
   return summaryOf(json);

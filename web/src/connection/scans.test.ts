@@ -1,5 +1,7 @@
-import { expect, test } from 'vitest';
-import { parseAccess, parseReport } from './scans';
+import { afterEach, expect, test, vi } from 'vitest';
+import { labelScan, parseAccess, parseReport } from './scans';
+
+afterEach(() => vi.unstubAllGlobals());
 
 test('what a token may do is read', () => {
   expect(parseAccess({ scopes: ['view', 'scan', 'admin'], scan: null, embedding: true })).toEqual({
@@ -61,4 +63,19 @@ test('what a report says is read, and an older one or an import says nothing', (
   });
   for (const odd of [null, 'x', { surfels: 'many', mapping: 3 }])
     expect(parseReport(odd)).toEqual(nothing);
+});
+
+test('tags are sent alone, and those that the server has kept come back', async () => {
+  const fetch = vi.fn((_path: string, _asked: RequestInit) =>
+    Promise.resolve(new Response(JSON.stringify({ id: 'a/b', tags: ['attic', 'house 9'] }))),
+  );
+  vi.stubGlobal('fetch', fetch);
+  const { tags } = await labelScan('a/b', { tags: ['house 9', 'attic'] }, 'secret');
+  expect(tags).toEqual(['attic', 'house 9']);
+  const [path, asked] = fetch.mock.calls[0]!;
+  expect([path, asked.method, asked.body]).toEqual([
+    'api/v1/scans/a%2Fb',
+    'PATCH',
+    '{"tags":["house 9","attic"]}',
+  ]);
 });

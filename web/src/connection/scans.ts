@@ -1,7 +1,16 @@
 // What a person changes about scans, what they may change, and what the report
 // says of one that has ended.
 import { t } from '../texts/texts';
-import { ApiError, isRecord, numberOf, request, scanPath, textOf } from './api';
+import {
+  ApiError,
+  isRecord,
+  numberOf,
+  parseScan,
+  request,
+  scanPath,
+  textOf,
+  type ScanSummary,
+} from './api';
 
 const limit_ms = 10_000;
 
@@ -60,14 +69,20 @@ export interface Labels {
   readonly tags?: readonly string[]; // instead of those that it has
 }
 
-export async function labelScan(scanId: string, labels: Labels, token: string): Promise<void> {
+// What the server has of it then: it sorts tags.
+export async function labelScan(
+  scanId: string,
+  labels: Labels,
+  token: string,
+): Promise<ScanSummary> {
   const headers = { 'Content-Type': 'application/json' };
-  await request(scanPath(scanId), token, {
+  const response = await request(scanPath(scanId), token, {
     limit_ms,
     method: 'PATCH',
     headers,
     body: JSON.stringify(labels),
   });
+  return parseScan(await response.json());
 }
 
 // It ends as interrupted, with what it has.

@@ -1,9 +1,10 @@
 // All that stands before a scan in a page of another site: its title, which
-// leads to all of the viewer.
+// leads to all of the viewer, and its tags.
 import type { LiveScan, LiveScanEvent } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
+import { scanTags } from './scan_tags';
 
 // `link`: how the scan is looked at, as fields of an address.
 export function embeddedBar(
@@ -11,7 +12,7 @@ export function embeddedBar(
   token: string,
   link: () => string,
 ): Panel {
-  const node = element('a', {
+  const title = element('a', {
     class: 'embedded-bar',
     target: '_blank',
     rel: 'noopener',
@@ -22,11 +23,18 @@ export function embeddedBar(
       `#share=${encodeURIComponent(token)}&scan=${encodeURIComponent(scan.get().scanId)}`,
       link(),
     ].filter(Boolean);
-    node.setAttribute('href', location.pathname + fields.join('&'));
+    title.setAttribute('href', location.pathname + fields.join('&'));
   };
   const unsubscribe = scan.subscribe((state) => {
-    setText(node, `${state.title || t.scan} ↗`);
+    setText(title, `${state.title || t.scan} ↗`);
     write();
   });
-  return { element: node, dispose: unsubscribe };
+  const tags = scanTags(scan);
+  return {
+    element: element('div', { class: 'embedded-head' }, title, tags.element),
+    dispose() {
+      unsubscribe();
+      tags.dispose();
+    },
+  };
 }

@@ -1,6 +1,6 @@
 // What a person does with a scan, wherever it stands: another title, tags, away with it. What was
 // deleted can be taken back for a few seconds.
-import { ApiError } from '../connection/api';
+import { ApiError, type ScanSummary } from '../connection/api';
 import { deleteScan, labelScan } from '../connection/scans';
 import { Trash } from '../state/trash';
 import { t } from '../texts/texts';
@@ -65,11 +65,10 @@ export function changeTags(
   id: string,
   tags: readonly string[],
   token: string,
-  changed: () => void,
+  changed: (scan: ScanSummary) => void,
 ): void {
   askForTags(tags, async (wanted) => {
-    await labelScan(id, { tags: wanted }, token);
-    changed();
+    changed(await labelScan(id, { tags: wanted }, token));
   });
 }
 

@@ -11,6 +11,7 @@ import { statusMark } from './mark';
 import { menu, type Menu, type MenuItem } from './menu';
 import { changeTags, deleteSoon, onTrashChange, rename, trash } from './scan_actions';
 import { scanFinder } from './scan_finder';
+import { tagMarks } from './scan_tags';
 import { thumbnailViews } from './scan_thumbnail';
 
 export interface ScanListWorld {
@@ -171,13 +172,7 @@ function rowOf(scan: ScanSummary, now: Date, image: HTMLElement): HTMLElement {
     mark.element,
     element('span', { class: 'facts' }, facts.filter((fact) => fact !== null).join('  ·  ')),
     scan.words ? element('span', { class: 'facts words' }, scan.words) : null,
-    scan.tags.length > 0
-      ? element(
-          'span',
-          { class: 'tags' },
-          ...scan.tags.map((tag) => element('span', { class: 'tag' }, tag)),
-        )
-      : null,
+    scan.tags.length > 0 ? element('span', { class: 'tags' }, ...tagMarks(scan.tags)) : null,
   );
 }
 

@@ -33,6 +33,7 @@ import { watchReport } from './report_watch';
 import { onScanKeys } from './scan_keys';
 import { toolsOf, type Tools } from './scan_tools';
 import { statusPanel } from './status_panel';
+import { watchSummary } from './summary_watch';
 import { titleBar } from './title_bar';
 import { viewPanel } from './view_panel';
 
@@ -97,6 +98,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
     onScanKeys({ scan, options, tools, token, frameAll }),
     scene ? openLink(scan, options, token, onEvent) : () => {},
     watchReport(scan, token),
+    watchSummary(scan, token),
     embedded ? () => {} : watchAddress(scanId, query, [cutting, noting]),
   ];
   canvas.addEventListener('dblclick', (event) => scene?.pivotAt(event.clientX, event.clientY));

@@ -19,6 +19,7 @@ import {
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { statusMark } from './mark';
+import { scanTags } from './scan_tags';
 
 const refresh_ms = 500;
 
@@ -84,12 +85,14 @@ export function statusPanel(scan: Store<LiveScan, never>, imagesPerSecond: () =>
     t.moreAboutItsQuality,
   );
   const notice = element('p', { class: 'notice', role: 'status' });
+  const tags = scanTags(scan);
   const node = element(
     'section',
     { class: 'card status', 'aria-label': t.status },
     element('div', { class: 'marks', role: 'status' }, tracking.element, connection.element),
     summary,
     notice,
+    tags.element,
     details,
     quality,
   );
@@ -122,6 +125,7 @@ export function statusPanel(scan: Store<LiveScan, never>, imagesPerSecond: () =>
     element: node,
     dispose() {
       unsubscribe();
+      tags.dispose();
       clearInterval(timer);
     },
   };

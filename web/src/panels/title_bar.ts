@@ -13,7 +13,7 @@ import { showEmbedding } from './embed_dialog';
 import { statusMark } from './mark';
 import { menu, type MenuItem } from './menu';
 import { showFloorPlan } from './plan_dialog';
-import { deleteSoon, rename } from './scan_actions';
+import { changeTags, deleteSoon, rename } from './scan_actions';
 import { shareButton } from './share_button';
 
 type ScanStore = Store<LiveScan, LiveScanEvent>;
@@ -86,7 +86,7 @@ export function titleBar(scan: ScanStore, token: string, viewing: Viewing): Pane
 
 // What whoever looks may do with the scan.
 function scanActions(scan: ScanStore, token: string, access: Access, problem: Element): MenuItem[] {
-  const { scanId, title, phase, paused, canPause } = scan.get();
+  const { scanId, title, tags, phase, paused, canPause } = scan.get();
   const refused = (error: unknown): void => setText(problem, errorText(error));
   const stop = (): void => void stopScan(scanId, token).catch(refused);
   const pause = (): void => void pauseScan(scanId, !paused, token).catch(refused);
@@ -104,6 +104,11 @@ function scanActions(scan: ScanStore, token: string, access: Access, problem: El
               rename(scanId, title, token, (wanted) =>
                 scan.dispatch({ kind: 'renamed', title: wanted }),
               ),
+          },
+          {
+            label: t.tags,
+            do: () =>
+              changeTags(scanId, tags, token, (as) => scan.dispatch({ kind: 'listed', as })),
           },
         ]
       : []),

@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { FrameEvent, MapEventName, TrackingName } from '../connection/events';
+import { listedScan } from '../connection/listed_scan';
 import { parseReport } from '../connection/scans';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from './live_scan';
 import {
@@ -58,6 +59,19 @@ const running = {
 } as const satisfies LiveScanEvent;
 
 describe('reduceLiveScan', () => {
+  it('has the tags that the list has, also after a new connection', () => {
+    const as = { ...listedScan('scan1', new Date(0)), tags: ['attic', 'house 9'] };
+    const state = after(
+      welcome,
+      { kind: 'listed', as },
+      { kind: 'connecting', attempt: 1 },
+      welcome,
+    );
+    expect(state).toMatchObject({ title: 'Room', tags: ['attic', 'house 9'] });
+    const without = reduceLiveScan(state, { kind: 'listed', as: { ...as, tags: [] } });
+    expect(without.tags).toEqual([]);
+  });
+
   it('counts the poses before and since the viewer came, afresh after reconnecting', () => {
     const past: LiveScanEvent = {
       kind: 'trajectory',

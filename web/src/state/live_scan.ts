@@ -1,5 +1,6 @@
 // Everything that the panels say about one scan, as one value; points and poses
 // themselves live in the scene.
+import type { ScanSummary } from '../connection/api';
 import type {
   FrameEvent,
   MapEventName,
@@ -23,6 +24,7 @@ export interface WayBack {
 export interface LiveScan {
   readonly scanId: string;
   readonly title: string;
+  readonly tags: readonly string[];
   readonly connection: ConnectionName;
   readonly connectionText: string; // why it waits or closed
   readonly retryIn_ms: number;
@@ -70,7 +72,7 @@ export interface LiveScan {
   readonly followed: Followed | null; // the same: how well the camera was
 }
 
-// What the scene and the ledger tell the state, besides the events of the connection.
+// What the scene, the ledger and the HTTP API tell the state, besides the events of the connection.
 export type LiveScanEvent =
   | ScanEvent
   | {
@@ -84,7 +86,8 @@ export type LiveScanEvent =
   | { readonly kind: 'mesh'; readonly mesh: MeshState }
   | { readonly kind: 'report'; readonly report: Report }
   | { readonly kind: 'followed'; readonly followed: Followed }
-  | { readonly kind: 'renamed'; readonly title: string };
+  | { readonly kind: 'renamed'; readonly title: string }
+  | { readonly kind: 'listed'; readonly as: ScanSummary };
 
 export function hasEnded(phase: ScanPhaseName): boolean {
   return phase === 'finished' || phase === 'failed' || phase === 'interrupted';
@@ -94,6 +97,7 @@ export function initialLiveScan(scanId: string): LiveScan {
   return {
     scanId,
     title: '',
+    tags: [],
     connection: 'connecting',
     connectionText: '',
     retryIn_ms: 0,
@@ -184,6 +188,8 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
       return { ...state, followed: event.followed };
     case 'renamed':
       return { ...state, title: event.title };
+    case 'listed':
+      return { ...state, tags: event.as.tags };
     case 'submapPoses':
       return {
         ...state,
