@@ -161,6 +161,29 @@ test('a share link is told that the camera is lost, and gets none of its images'
   await page.goto(`${server.origin}/#/`); // the processor draws for the phones from here on
 });
 
+// How long the scan has been going and how fast its frames come is in the bar, beside its title.
+async function paceFits(page, viewport) {
+  await page
+    .locator('.pace')
+    .getByText(/^\d+:\d\d · \d+[.,]\d fps$/)
+    .waitFor({ timeout: 30_000 });
+  for (const width of viewport.width < 500 ? [360, 412, viewport.width] : [viewport.width]) {
+    await page.setViewportSize({ ...viewport, width });
+    const [pace, phase, menu] = await Promise.all(
+      ['.pace', '.phase .mark', '.title-bar .menu-button'].map((selector) =>
+        page.locator(selector).boundingBox(),
+      ),
+    );
+    assert.ok(phase.x + phase.width <= pace.x, `beside the phase at ${width} px`);
+    assert.ok(Math.abs(pace.y - phase.y) < pace.height / 2, `in one line with it at ${width} px`);
+    assert.ok(pace.x + pace.width <= menu.x, `before the menu at ${width} px`);
+    assert.ok(
+      await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth),
+      `nothing is beside the screen at ${width} px`,
+    );
+  }
+}
+
 const phones = [
   {
     name: 'upright',
@@ -194,6 +217,7 @@ for (const { name, viewport, locale, lost } of phones)
     await screenshot(page, `phone-${name}-lost`);
     await page.getByText(lost).waitFor();
     assert.equal(await page.evaluate(() => document.documentElement.lang), locale.slice(0, 2));
+    await paceFits(page, viewport);
     assert.deepEqual(await tooSmall(page), []);
     assert.deepEqual(await cutOff(page), []);
     const boxOf = (selector) => page.locator(selector).boundingBox();

@@ -14,6 +14,7 @@ import { statusMark } from './mark';
 import { menu, type MenuItem } from './menu';
 import { showFloorPlan } from './plan_dialog';
 import { changeTags, deleteSoon, rename } from './scan_actions';
+import { scanPace } from './scan_pace';
 import { shareButton } from './share_button';
 
 type ScanStore = Store<LiveScan, LiveScanEvent>;
@@ -26,6 +27,7 @@ export interface Viewing {
 export function titleBar(scan: ScanStore, token: string, viewing: Viewing): Panel {
   const title = element('h1');
   const phase = statusMark();
+  const pace = scanPace(scan);
   const downloads = downloadMenu(scan, token);
   const problem = element('span', { class: 'problem', role: 'alert' });
   const share = shareButton(scan.get().scanId, token, problem, viewing.link);
@@ -52,7 +54,12 @@ export function titleBar(scan: ScanStore, token: string, viewing: Viewing): Pane
       element('span', { 'aria-hidden': 'true' }, '←'),
       element('span', { class: 'back-words' }, ' Scans'),
     ),
-    element('div', { class: 'heading' }, title, phase.element),
+    element(
+      'div',
+      { class: 'heading' },
+      title,
+      element('div', { class: 'phase' }, phase.element, pace.element),
+    ),
     element('span', { class: 'space' }),
     problem,
     share,
@@ -78,6 +85,7 @@ export function titleBar(scan: ScanStore, token: string, viewing: Viewing): Pane
     element: node,
     dispose() {
       unsubscribe();
+      pace.dispose();
       downloads.dispose();
       more.dispose();
     },

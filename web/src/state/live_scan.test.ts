@@ -59,7 +59,7 @@ const running = {
 } as const satisfies LiveScanEvent;
 
 describe('reduceLiveScan', () => {
-  it('has the tags that the list has, also after a new connection', () => {
+  it('has the tags and the beginning that the list has, also after a new connection', () => {
     const as = { ...listedScan('scan1', new Date(0)), tags: ['attic', 'house 9'] };
     const state = after(
       welcome,
@@ -67,7 +67,11 @@ describe('reduceLiveScan', () => {
       { kind: 'connecting', attempt: 1 },
       welcome,
     );
-    expect(state).toMatchObject({ title: 'Room', tags: ['attic', 'house 9'] });
+    expect(state).toMatchObject({
+      title: 'Room',
+      tags: ['attic', 'house 9'],
+      started: new Date(0),
+    });
     const without = reduceLiveScan(state, { kind: 'listed', as: { ...as, tags: [] } });
     expect(without.tags).toEqual([]);
   });

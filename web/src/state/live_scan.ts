@@ -25,6 +25,7 @@ export interface LiveScan {
   readonly scanId: string;
   readonly title: string;
   readonly tags: readonly string[];
+  readonly started: Date | null; // by the server's clock; null: not known yet
   readonly connection: ConnectionName;
   readonly connectionText: string; // why it waits or closed
   readonly retryIn_ms: number;
@@ -98,6 +99,7 @@ export function initialLiveScan(scanId: string): LiveScan {
     scanId,
     title: '',
     tags: [],
+    started: null,
     connection: 'connecting',
     connectionText: '',
     retryIn_ms: 0,
@@ -189,7 +191,7 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'renamed':
       return { ...state, title: event.title };
     case 'listed':
-      return { ...state, tags: event.as.tags };
+      return { ...state, tags: event.as.tags, started: event.as.started };
     case 'submapPoses':
       return {
         ...state,

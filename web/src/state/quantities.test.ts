@@ -66,6 +66,7 @@ it('writes how long something took or takes', () => {
 
 it('writes times as a clock does, and as a camera does', () => {
   expect([0, 59.96, 62.34].map((at_s) => clockText(at_s))).toEqual(['0:00.0', '1:00.0', '1:02.3']);
+  expect([0, 59.96, 62.34].map((at_s) => clockText(at_s, 0))).toEqual(['0:00', '0:59', '1:02']);
   expect([0, 62.0334, 754.0335].map((at_s) => clockText(at_s, 3))).toEqual([
     '0:00.000',
     '1:02.033',

@@ -65,12 +65,12 @@ export function millisecondsText(duration_ms: number): string {
   return `${decimal(duration_ms, 0)} ms`;
 }
 
-// "1:02.3"
-export function clockText(at_s: number, digits: 1 | 3 = 1): string {
-  const steps = Math.round(10 ** digits * at_s);
+// "1:02.3"; whole seconds are those that are over, as on a clock.
+export function clockText(at_s: number, digits: 0 | 1 | 3 = 1): string {
+  const steps = digits === 0 ? Math.floor(at_s) : Math.round(10 ** digits * at_s);
   const perMinute = 60 * 10 ** digits;
   const seconds = decimal((steps % perMinute) / 10 ** digits, digits);
-  return `${Math.floor(steps / perMinute)}:${seconds.padStart(3 + digits, '0')}`;
+  return `${Math.floor(steps / perMinute)}:${seconds.padStart(digits === 0 ? 2 : 3 + digits, '0')}`;
 }
 
 // By the camera's clock, which may count from 1970.
