@@ -426,6 +426,55 @@ test('on a phone everything is within reach of a thumb', { timeout: scan_ms }, a
   await context.close();
 });
 
+// However many measurements are kept, what else the panel has stays in reach.
+async function listOfManyIsBounded(page) {
+  const route = `${server.origin}/api/v1/scans/${/scan\/(\w+)/.exec(page.url())[1]}/measurements`;
+  const headers = { Authorization: `Bearer ${server.token}`, 'Content-Type': 'application/json' };
+  const ask = (path, method, body) =>
+    fetch(route + path, { method, headers, body: body && JSON.stringify(body) });
+  const [{ kind, points }] = (await (await ask('', 'GET')).json()).measurements;
+  const ids = [];
+  for (let i = 1; i <= 12; ++i)
+    ids.push((await (await ask('', 'POST', { name: `Copy ${i}`, kind, points })).json()).id);
+  const again = async () => {
+    for (let i = 0; i < 2; ++i) await page.locator('.picture').press('m');
+  };
+  await again();
+  const list = page.getByRole('list', { name: 'Kept measurements' });
+  const newest = list.locator('li').filter({ hasText: 'Copy 12' });
+  await newest.waitFor();
+  const isBounded = async (what) => {
+    const [outer, row, last] = await Promise.all(
+      [list, newest, page.getByRole('button', { name: 'Close', exact: true })].map((node) =>
+        node.boundingBox(),
+      ),
+    );
+    assert.ok(outer.height < 300 && outer.height >= 44, `${what}: ${outer.height} px`);
+    assert.ok(row.y + row.height <= outer.y + outer.height + 1, `${what}: the newest is seen`);
+    assert.ok(outer.y + outer.height <= last.y, `${what}: and what is below the list`);
+    assert.ok(
+      await page.locator('.measure').evaluate((node) => node.scrollHeight <= node.clientHeight),
+      `${what}: only the list scrolls`,
+    );
+  };
+  await isBounded('on a desk');
+  await list.press('Home');
+  await until(page, 'a key scrolls it', () => document.querySelector('.measure-list').scrollTop < 1);
+  assert.deepEqual(await barriers(page), []);
+  const size = page.viewportSize();
+  await page.setViewportSize({ width: 390, height: 844 });
+  await again();
+  await list.press('End');
+  await until(page, 'and back', () => document.querySelector('.measure-list').scrollTop > 0);
+  await isBounded('on a phone');
+  await screenshot('measured-many-phone');
+  await page.setViewportSize(size);
+  for (const id of ids) await ask(`/${id}`, 'DELETE');
+  await again();
+  await newest.waitFor({ state: 'detached' });
+  await untilResting(page);
+}
+
 test('clicks measure distances, planes, angles and areas, which are kept with the scan', {
   timeout: 60_000,
 }, async () => {
@@ -445,6 +494,7 @@ test('clicks measure distances, planes, angles and areas, which are kept with th
   await page.locator('.measure-list').getByText(said, { exact: true }).waitFor();
   assert.deepEqual(await barriers(page), []);
   await screenshot('measured');
+  await listOfManyIsBounded(page);
   await page.getByRole('button', { name: 'Remove Across' }).click();
   await page.locator('.measure-list').getByText(said).waitFor({ state: 'detached' });
 

@@ -24,6 +24,7 @@ import { createStore, type Store } from '../state/store';
 import { t } from '../texts/texts';
 import { buttonOf, element, setText, type Panel } from './dom';
 import { KeptMeasurements } from './kept_measurements';
+import { measureList, type Changes } from './measure_list';
 import { segments } from './segments';
 import { onTap } from './tap';
 
@@ -100,6 +101,7 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
     toggle,
     dispose() {
       document.removeEventListener('keydown', onKey);
+      view.dispose();
       for (const unsubscribe of unsubscribers) unsubscribe();
     },
   };
@@ -148,8 +150,6 @@ function isForControl(event: KeyboardEvent, button: HTMLElement): boolean {
   return target instanceof HTMLButtonElement && target !== button;
 }
 
-type Changes = Pick<KeptMeasurements, 'keep' | 'remove'>;
-
 // What the panel is made of. Its `show` is given no changes for whoever may only look.
 function panelView(choose: (kind: MeasureKind) => void) {
   const button = buttonOf(t.measure, {
@@ -165,7 +165,7 @@ function panelView(choose: (kind: MeasureKind) => void) {
   });
   const steps = element('div', { class: 'buttons' }, close, undo);
   const newest = element('div', { class: 'measure-newest' });
-  const list = element('ul', { class: 'measure-list' });
+  const list = measureList();
   const csv = buttonOf(t.downloadCsv);
   const done = buttonOf(t.close);
   const ends = element('div', { class: 'buttons' }, csv, done);
@@ -176,7 +176,7 @@ function panelView(choose: (kind: MeasureKind) => void) {
     prompt,
     steps,
     newest,
-    list,
+    list.element,
     ends,
   );
   const show = (state: Measuring, changes: Changes | null): void => {
@@ -189,10 +189,10 @@ function panelView(choose: (kind: MeasureKind) => void) {
     steps.hidden = undo.hidden && close.hidden;
     newest.hidden = !state.newest;
     if (state.newest) newest.replaceChildren(...newestRow(state.newest, state.kept, changes));
-    list.hidden = csv.hidden = state.kept.length === 0;
-    list.replaceChildren(...state.kept.map((one) => rowOf(one, changes)));
+    csv.hidden = state.kept.length === 0;
+    list.show(state.kept, changes);
   };
-  return { node, button, undo, close, csv, done, show };
+  return { node, button, undo, close, csv, done, show, dispose: list.dispose };
 }
 
 function newestRow(
@@ -221,22 +221,4 @@ function newestRow(
     if (name.value.trim() !== '') changes.keep(name.value.trim(), measured);
   });
   return [value, form];
-}
-
-function rowOf(one: KeptMeasurement, changes: Changes | null): HTMLElement {
-  const row = element(
-    'li',
-    {},
-    element(
-      'div',
-      {},
-      element('span', { class: 'measure-name' }, one.name),
-      element('span', {}, one.words),
-    ),
-  );
-  if (!changes) return row;
-  const button = buttonOf('×', { 'aria-label': t.removeNamed(one.name) });
-  button.addEventListener('click', () => changes.remove(one));
-  row.append(button);
-  return row;
 }

@@ -3,6 +3,7 @@ import type { KeptMeasurement, Measured } from '../connection/measurements';
 import {
   canClose,
   freeName,
+  hasNewest,
   initialMeasuring,
   measuringText,
   reduceMeasuring,
@@ -110,4 +111,13 @@ test('what is kept is listed until it is removed', () => {
   expect(freeName([{ ...kept, name: 'Distance 2' }], 'distance')).toBe('Distance 3');
   expect(freeName(state.kept, 'area')).toBe('Area 1');
   expect(reduceMeasuring(state, { kind: 'removed', id: 'a' }).kept).toEqual([]);
+});
+
+test('the newest is shown when it comes, and the list stays when one is removed', () => {
+  const [first, second] = [kept, { ...kept, id: 'b' }];
+  expect(hasNewest([], [first, second])).toBe(true);
+  expect(hasNewest([first], [first, second])).toBe(true);
+  expect(hasNewest([first, second], [first])).toBe(false);
+  expect(hasNewest([first, second], [second])).toBe(false);
+  expect(hasNewest([first], [])).toBe(false);
 });

@@ -130,6 +130,15 @@ export function measuringText(state: Measuring): string {
   return state.newest ? t.clickForTheNextOne : invitations[state.measure];
 }
 
+// Whether the newest of those that are kept has just come.
+export function hasNewest(
+  before: readonly KeptMeasurement[],
+  now: readonly KeptMeasurement[],
+): boolean {
+  const newest = now.at(-1);
+  return newest !== undefined && !before.some((one) => one.id === newest.id);
+}
+
 // A name that no kept one has yet.
 export function freeName(kept: readonly KeptMeasurement[], measure: MeasureKind): string {
   const names = new Set(kept.map((one) => one.name));

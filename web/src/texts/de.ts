@@ -285,6 +285,7 @@ export const de: Texts = {
   keepTheInside: 'Inneres behalten',
   keepTheirs: 'Anderen behalten',
   keepsNothingOfWhatIsWritten: 'Behält nichts von dem, was hier steht',
+  keptMeasurements: 'Behaltene Messungen',
   keyframes: 'Schlüsselbilder',
   language: 'Sprache',
   leftOpen: 'Bleiben offen',

@@ -279,6 +279,7 @@ export const en = {
   keepTheInside: 'Keep the inside',
   keepTheirs: 'Keep theirs',
   keepsNothingOfWhatIsWritten: 'Keeps nothing of what is written here',
+  keptMeasurements: 'Kept measurements',
   keyframes: 'Keyframes',
   language: 'Language',
   leftOpen: 'Left open',
