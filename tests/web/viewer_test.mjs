@@ -299,6 +299,16 @@ test('the floor plan is drawn and can be taken away', { timeout: scan_ms }, asyn
   assert.ok(Math.abs((await width()) - 3) < 0.01, 'it is enlarged');
   await page.getByRole('button', { name: 'Whole plan' }).click();
   assert.deepEqual(await picture.boundingBox(), whole);
+  for (const key of ['+', '+', 'ArrowRight', 'ArrowDown']) await page.keyboard.press(key);
+  assert.ok(Math.abs((await width()) - 2.25) < 0.01, 'keys enlarge it');
+  const moved = await picture.boundingBox();
+  assert.ok(Math.abs(whole.x - moved.x - 0.75 * whole.width) < 2, 'and move it to the right');
+  assert.ok(Math.abs(whole.y - moved.y - 0.75 * whole.height) < 2, 'and down');
+  await page.getByText('arrows move it').waitFor(); // said while the keys are used
+  assert.deepEqual(await barriers(page), []);
+  await screenshot('plan-keys');
+  await page.keyboard.press('Home');
+  assert.deepEqual(await picture.boundingBox(), whole);
   await page.keyboard.press('Escape');
   await picture.waitFor({ state: 'detached' });
 });
@@ -459,13 +469,14 @@ async function listOfManyIsBounded(page) {
   };
   await isBounded('on a desk');
   await list.press('Home');
-  await until(page, 'a key scrolls it', () => document.querySelector('.measure-list').scrollTop < 1);
+  const scrolled = () => list.evaluate((node) => node.scrollTop > 0);
+  assert.equal(await scrolled(), false, 'a key scrolls it');
   assert.deepEqual(await barriers(page), []);
   const size = page.viewportSize();
   await page.setViewportSize({ width: 390, height: 844 });
   await again();
   await list.press('End');
-  await until(page, 'and back', () => document.querySelector('.measure-list').scrollTop > 0);
+  assert.equal(await scrolled(), true, 'and back');
   await isBounded('on a phone');
   await screenshot('measured-many-phone');
   await page.setViewportSize(size);

@@ -108,6 +108,7 @@ const keys: readonly (readonly [string, string])[] = [
   ['N', t.notesClickOnTheModelTo],
   ['X', t.clipBoxAndSectionsToDraw],
   ['P', t.theFloorPlanOfAFinished],
+  [`${t.arrows}  +  −  0`, t.inTheFloorPlanMoveZoom],
   ['E', t.eyeDomeLightingOfPoints],
   ['T', t.lookBackAllFramesOfThe],
   [t.leftRightSpace, t.frameBeforeNextFramePlayOn],

@@ -18,7 +18,7 @@ const files = [
 export function showFloorPlan(scanId: string, title: string, token: string): void {
   const notice = element('p', { role: 'status' }, t.thePlanIsBeingMade);
   const picture = element('img', { class: 'plan', alt: t.floorPlanOf(title), draggable: 'false' });
-  const frame = zoomable(picture, t.wholePlan);
+  const frame = zoomable(picture, { back: t.wholePlan, keys: t.thePlanArrowsMoveIt });
   const done = buttonOf(t.close, { class: 'button primary' });
   const buttons = files.map(({ format, ending, label, hint }) => {
     const button = buttonOf(label, { title: hint });
@@ -62,6 +62,7 @@ export function showFloorPlan(scanId: string, title: string, token: string): voi
       picture.src = URL.createObjectURL(blob);
       frame.hidden = take.hidden = false;
       notice.hidden = true;
+      if (document.activeElement === done) frame.focus(); // nobody has gone elsewhere
     })
     .catch(say);
 }

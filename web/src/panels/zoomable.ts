@@ -1,15 +1,26 @@
-// A picture that is enlarged and moved by two fingers, by dragging, by the wheel, or by a double
-// click, with a button that shows all of it again.
-import { wholePicture, zoomedBy, type Spot } from '../state/zoom';
+// A picture that is enlarged and moved by two fingers, by dragging, by the wheel, by a double
+// click, or by keys, with a button that shows all of it again.
+import { wholePicture, zoomedBy, zoomedByKey, type Size, type Spot } from '../state/zoom';
 import { buttonOf, element } from './dom';
 
 const perWheel_px = 0.002; // of the logarithm
 const doubleClick = 3;
 
+export interface ZoomTexts {
+  readonly back: string; // on the button
+  readonly keys: string; // what the keys do, seen while they do it
+}
+
 // Returns the frame around it, which is as large as the picture is at first.
-export function zoomable(picture: HTMLElement, back: string): HTMLElement {
+export function zoomable(picture: HTMLElement, { back, keys }: ZoomTexts): HTMLElement {
   const button = buttonOf(back, { class: 'button zoom-back' });
-  const frame = element('div', { class: 'zoom-frame' }, picture, button);
+  const frame = element(
+    'div',
+    { class: 'zoom-frame', tabindex: 0, role: 'group', 'aria-label': keys },
+    picture,
+    button,
+    element('span', { class: 'zoom-keys', 'aria-hidden': 'true' }, keys),
+  );
   const fingers = new Map<number, Spot>();
   let zoom = wholePicture;
   const show = (next: typeof zoom): void => {
@@ -22,10 +33,9 @@ export function zoomable(picture: HTMLElement, back: string): HTMLElement {
     const { left, top } = frame.getBoundingClientRect();
     return [clientX - left, clientY - top];
   };
+  const size = (): Size => ({ width_px: frame.clientWidth, height_px: frame.clientHeight });
   const change = (by: number, from: Spot, to: Spot): void =>
-    show(
-      zoomedBy(zoom, by, from, to, { width_px: frame.clientWidth, height_px: frame.clientHeight }),
-    );
+    show(zoomedBy(zoom, by, from, to, size()));
   picture.addEventListener('pointerdown', (event) => {
     if (event.button !== 0 || fingers.size === 2) return;
     picture.setPointerCapture(event.pointerId);
@@ -52,7 +62,17 @@ export function zoomable(picture: HTMLElement, back: string): HTMLElement {
     event.preventDefault();
     change(Math.exp(-perWheel_px * event.deltaY), spotOf(event), spotOf(event));
   });
-  button.addEventListener('click', () => show(wholePicture));
+  frame.addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return; // keys of the browser
+    const next = zoomedByKey(zoom, event.key, size());
+    if (!next) return;
+    event.preventDefault();
+    show(next);
+  });
+  button.addEventListener('click', () => {
+    show(wholePicture);
+    frame.focus({ preventScroll: true }); // the button goes
+  });
   new ResizeObserver(() => show(wholePicture)).observe(frame); // also at first
   return frame;
 }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { wholePicture, zoomedBy, type Spot, type Zoom } from './zoom';
+import { wholePicture, zoomedBy, zoomedByKey, type Spot, type Zoom } from './zoom';
 
 const size = { width_px: 300, height_px: 200 };
 const inPicture = ({ scale, left_px, top_px }: Zoom, [x, y]: Spot): Spot => [
@@ -31,4 +31,37 @@ describe('zoomedBy', () => {
   });
 
   it('has an end', () => expect(zoomedBy(wholePicture, 1e6, [0, 0], [0, 0], size).scale).toBe(12));
+});
+
+describe('zoomedByKey', () => {
+  const pressed = (...keys: string[]): Zoom =>
+    keys.reduce((zoom, key) => zoomedByKey(zoom, key, size) ?? zoom, wholePicture);
+
+  it('enlarges around the middle, and goes back the same way', () => {
+    const once = pressed('+');
+    expect(once.scale).toBe(1.5);
+    expect(inPicture(once, [150, 100])).toEqual([150, 100]);
+    expect(pressed('=')).toEqual(once);
+    expect(pressed('+', '-')).toEqual(wholePicture);
+    expect(pressed('-')).toEqual(wholePicture);
+  });
+
+  it('moves to what is on the side of the arrow, as far as there is something', () => {
+    const [x, y] = inPicture(pressed('+', '+'), [150, 100]);
+    const [right] = inPicture(pressed('+', '+', 'ArrowRight'), [150, 100]);
+    expect(right).toBeGreaterThan(x);
+    const [, below] = inPicture(pressed('+', '+', 'ArrowDown'), [150, 100]);
+    expect(below).toBeGreaterThan(y);
+    expect(pressed('+', '+', 'ArrowRight', 'ArrowLeft')).toEqual(pressed('+', '+'));
+    expect(pressed('+', '+', 'ArrowDown', 'ArrowUp')).toEqual(pressed('+', '+'));
+    const far = Array.from({ length: 20 }, () => 'ArrowLeft');
+    expect(pressed('+', ...far).left_px).toBe(0);
+  });
+
+  it('shows all of it again, and leaves other keys to others', () => {
+    for (const key of ['0', 'Home'])
+      expect(pressed('+', '+', 'ArrowUp', key)).toEqual(wholePicture);
+    for (const key of ['a', 'Escape', 'Tab', 'constructor', 'ArrowLeft'])
+      expect(zoomedByKey(wholePicture, key, size)).toBeNull();
+  });
 });

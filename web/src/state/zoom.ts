@@ -35,6 +35,35 @@ export function zoomedBy(
   };
 }
 
+const perKey = 1.5;
+const keyStep = 1 / 8; // of the frame
+const zooming: ReadonlyMap<string, number> = new Map([
+  ['+', perKey],
+  ['=', perKey], // the same key without shift
+  ['-', 1 / perKey],
+]);
+const moving: ReadonlyMap<string, Spot> = new Map<string, Spot>([
+  ['ArrowLeft', [1, 0]],
+  ['ArrowRight', [-1, 0]],
+  ['ArrowUp', [0, 1]],
+  ['ArrowDown', [0, -1]],
+]);
+
+// Null: the key is for something else, also an arrow while all of the picture is seen.
+export function zoomedByKey(zoom: Zoom, key: string, size: Size): Zoom | null {
+  if (key === '0' || key === 'Home') return wholePicture;
+  const middle: Spot = [size.width_px / 2, size.height_px / 2];
+  const by = zooming.get(key);
+  if (by !== undefined) return zoomedBy(zoom, by, middle, middle, size);
+  const way = moving.get(key);
+  if (!way || zoom.scale === 1) return null;
+  const to: Spot = [
+    middle[0] + way[0] * keyStep * size.width_px,
+    middle[1] + way[1] * keyStep * size.height_px,
+  ];
+  return zoomedBy(zoom, 1, middle, to, size);
+}
+
 function within(least_px: number, at_px: number): number {
   return Math.min(0, Math.max(least_px, at_px));
 }

@@ -252,6 +252,7 @@ export const de: Texts = {
   interrupted: 'Abgebrochen',
   inTheBestPositionAgrees: (first: Value, second: Value) =>
     `In der besten gefundenen Lage stimmen ${first} % dessen überein, was beide gesehen haben, und ${second} % des kleineren Scans liegen im anderen.`,
+  inTheFloorPlanMoveZoom: 'Im Grundriss: verschieben, zoomen, alles zeigen (oder Pos 1)',
   inThisFrameLessThan1Percent: 'In diesem Bild haben weniger als 1 % der Pixel eine Tiefe',
   inThisFramePercentOfThePixels: (first: Value) =>
     `In diesem Bild haben ${first} % der Pixel eine Tiefe`,
@@ -510,6 +511,7 @@ export const de: Texts = {
   tagsWithCommasBetweenThem: 'Schlagworte, durch Kommas getrennt',
   takeOut: 'Herausnehmen',
   theFloorPlanOfAFinished: 'Der Grundriss, von einem fertigen Scan',
+  thePlanArrowsMoveIt: 'Der Grundriss: Pfeiltasten verschieben, + und − zoomen, 0 zeigt alles',
   thePlanAsNumbers: 'Der Plan als Zahlen, für Programme',
   thePlanIsBeingMade: 'Der Plan wird gezeichnet …',
   thereAreAsManyEditsAs:

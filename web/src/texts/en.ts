@@ -246,6 +246,7 @@ export const en = {
   interrupted: 'Interrupted',
   inTheBestPositionAgrees: (first: Value, second: Value) =>
     `In the best position that was found, ${first} % of what both saw agrees, and ${second} % of the smaller scan lies in the other one.`,
+  inTheFloorPlanMoveZoom: 'In the floor plan: move, zoom, all of it (or Home)',
   inThisFrameLessThan1Percent: 'In this frame less than 1 % of the pixels have depth',
   inThisFramePercentOfThePixels: (first: Value) =>
     `In this frame ${first} % of the pixels have depth`,
@@ -501,6 +502,7 @@ export const en = {
   tagsWithCommasBetweenThem: 'Tags, with commas between them',
   takeOut: 'Take out',
   theFloorPlanOfAFinished: 'The floor plan, of a finished scan',
+  thePlanArrowsMoveIt: 'The floor plan: arrows move it, + and − zoom, 0 shows all of it',
   thePlanAsNumbers: 'The plan as numbers, for programs',
   thePlanIsBeingMade: 'The plan is being made …',
   thereAreAsManyEditsAs: 'There are as many edits as a scan may have. Undo one first.',
