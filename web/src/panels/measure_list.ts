@@ -5,7 +5,7 @@ import { hasNewest } from '../state/measuring';
 import { t } from '../texts/texts';
 import { buttonOf, element, type Panel } from './dom';
 import type { KeptMeasurements } from './kept_measurements';
-import { hintAtMore } from './scroll_hint';
+import { hintAtMore, isAtEnd } from './scroll_hint';
 
 export type Changes = Pick<KeptMeasurements, 'keep' | 'remove'>;
 
@@ -20,6 +20,8 @@ export function measureList(): MeasureList {
     tabindex: 0, // it can be scrolled by keys, also where no row has a button
     'aria-label': t.keptMeasurements,
   });
+  const stay = stayAtEnd(node); // before the hint looks
+  const stopHint = hintAtMore(node);
   let shown: readonly KeptMeasurement[] = [];
   let shownChanges: Changes | null = null;
   return {
@@ -31,11 +33,27 @@ export function measureList(): MeasureList {
       [shown, shownChanges] = [kept, changes];
       node.hidden = kept.length === 0;
       node.replaceChildren(...kept.map((one) => rowOf(one, changes)));
-      if (isNewer) node.scrollTop = node.scrollHeight;
+      if (isNewer) stay.goThere();
       if (hadFocus) node.focus({ preventScroll: true }); // its button has gone
     },
-    dispose: hintAtMore(node),
+    dispose() {
+      stay.stop();
+      stopHint();
+    },
   };
+}
+
+// Who sees the end of what scrolls, still does when it gets lower.
+function stayAtEnd(scrolled: HTMLElement): { goThere(): void; stop(): void } {
+  let wasAtEnd = true;
+  const goThere = (): void => {
+    wasAtEnd = true;
+    scrolled.scrollTop = scrolled.scrollHeight;
+  };
+  const sizes = new ResizeObserver(() => wasAtEnd && goThere());
+  sizes.observe(scrolled);
+  scrolled.addEventListener('scroll', () => (wasAtEnd = isAtEnd(scrolled)), { passive: true });
+  return { goThere, stop: () => sizes.disconnect() };
 }
 
 function rowOf(one: KeptMeasurement, changes: Changes | null): HTMLElement {

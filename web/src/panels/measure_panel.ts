@@ -168,7 +168,7 @@ function panelView(choose: (kind: MeasureKind) => void) {
   const list = measureList();
   const csv = buttonOf(t.downloadCsv);
   const done = buttonOf(t.close);
-  const ends = element('div', { class: 'buttons' }, csv, done);
+  const ends = element('div', { class: 'buttons panel-foot' }, csv, done);
   const node = element(
     'section',
     { class: 'card measure', 'aria-label': t.measure },

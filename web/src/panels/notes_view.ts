@@ -41,7 +41,7 @@ export function notesView(actions: NoteActions) {
     act(t.undo, t.takesTheRemovalBack, () => actions.undo()),
   );
   const done = act(t.close, t.closesTheNotesEscape, () => actions.close());
-  const foot = element('div', { class: 'buttons notes-foot' }, done);
+  const foot = element('div', { class: 'buttons panel-foot' }, done);
   const node = element(
     'section',
     { class: 'card notes', 'aria-label': t.notes },

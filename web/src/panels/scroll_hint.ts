@@ -2,11 +2,13 @@
 
 const least_px = 4; // rounded away otherwise
 
+export const isAtEnd = ({ scrollTop, scrollHeight, clientHeight }: HTMLElement): boolean =>
+  scrollHeight - clientHeight - scrollTop < least_px;
+
 // Returns what ends it.
 export function hintAtMore(scrolled: HTMLElement): () => void {
   const look = (): void => {
-    const { scrollTop, scrollHeight, clientHeight } = scrolled;
-    scrolled.classList.toggle('more-below', scrollHeight - clientHeight - scrollTop >= least_px);
+    scrolled.classList.toggle('more-below', !isAtEnd(scrolled));
   };
   const sizes = new ResizeObserver(look);
   for (const node of [scrolled, ...scrolled.children]) sizes.observe(node);
