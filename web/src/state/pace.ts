@@ -3,7 +3,7 @@ import { decimal } from '../texts/texts';
 import type { LiveScan } from './live_scan';
 import { clockText } from './quantities';
 
-const window_ms = 3000; // long enough that the number can be read, short enough that it is news
+const window_ms = 5000; // long enough that slow frames have a rate, short enough that it is news
 const least_ms = 1000; // over less, one late frame would be all that it says
 
 // Counts the frames that the camera has sent, by their numbers: not each of them is told to a page
