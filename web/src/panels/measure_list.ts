@@ -28,12 +28,13 @@ export function measureList(): MeasureList {
     element: node,
     show(kept, changes) {
       if (kept === shown && changes === shownChanges) return;
-      const isNewer = hasNewest(shown, kept);
+      // Rows get higher when it is known that they may be removed.
+      const toEnd = hasNewest(shown, kept) || isAtEnd(node);
       const hadFocus = node.contains(document.activeElement);
       [shown, shownChanges] = [kept, changes];
       node.hidden = kept.length === 0;
       node.replaceChildren(...kept.map((one) => rowOf(one, changes)));
-      if (isNewer) stay.goThere();
+      if (toEnd) stay.goThere();
       if (hadFocus) node.focus({ preventScroll: true }); // its button has gone
     },
     dispose() {
