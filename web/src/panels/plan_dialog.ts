@@ -18,7 +18,7 @@ const files = [
 export function showFloorPlan(scanId: string, title: string, token: string): void {
   const notice = element('p', { role: 'status' }, t.thePlanIsBeingMade);
   const picture = element('img', { class: 'plan', alt: t.floorPlanOf(title), draggable: 'false' });
-  const frame = zoomable(picture, { back: t.wholePlan, keys: t.thePlanArrowsMoveIt });
+  const frame = zoomable(picture, { back: t.wholePlan, keys: t.thePlanArrowsMove });
   const done = buttonOf(t.close, { class: 'button primary' });
   const buttons = files.map(({ format, ending, label, hint }) => {
     const button = buttonOf(label, { title: hint });

@@ -511,7 +511,7 @@ export const de: Texts = {
   tagsWithCommasBetweenThem: 'Schlagworte, durch Kommas getrennt',
   takeOut: 'Herausnehmen',
   theFloorPlanOfAFinished: 'Der Grundriss, von einem fertigen Scan',
-  thePlanArrowsMoveIt: 'Der Grundriss: Pfeiltasten verschieben, + und − zoomen, 0 zeigt alles',
+  thePlanArrowsMove: 'Der Plan: Pfeile verschieben, + und − zoomen, 0 zeigt alles',
   thePlanAsNumbers: 'Der Plan als Zahlen, für Programme',
   thePlanIsBeingMade: 'Der Plan wird gezeichnet …',
   thereAreAsManyEditsAs:

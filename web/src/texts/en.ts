@@ -502,7 +502,7 @@ export const en = {
   tagsWithCommasBetweenThem: 'Tags, with commas between them',
   takeOut: 'Take out',
   theFloorPlanOfAFinished: 'The floor plan, of a finished scan',
-  thePlanArrowsMoveIt: 'The floor plan: arrows move it, + and − zoom, 0 shows all of it',
+  thePlanArrowsMove: 'The plan: arrows move, + and − zoom, 0 shows all',
   thePlanAsNumbers: 'The plan as numbers, for programs',
   thePlanIsBeingMade: 'The plan is being made …',
   thereAreAsManyEditsAs: 'There are as many edits as a scan may have. Undo one first.',
