@@ -286,6 +286,7 @@ test('the floor plan is drawn and can be taken away', { timeout: scan_ms }, asyn
   assert.ok(
     (await picture.evaluate((image) => image.decode().then(() => image.naturalWidth))) > 100,
   );
+  await page.locator('.zoom-frame:focus').waitFor(); // its keys work at once
   assert.deepEqual(await barriers(page), []);
   const download = page.waitForEvent('download', { timeout: 60_000 });
   await page.getByRole('dialog').getByRole('button', { name: 'DXF' }).click();

@@ -44,13 +44,13 @@ export function showFloorPlan(scanId: string, title: string, token: string): voi
     frame,
     element('div', { class: 'dialog-buttons' }, take, done),
   );
+  frame.hidden = take.hidden = true; // before the dialog looks for what to focus
   const stop = new AbortController();
   const close = openDialog(t.floorPlan, content);
   const say = (error: unknown): void => {
     if (!stop.signal.aborted) setText(notice, errorText(error));
     notice.hidden = false;
   };
-  frame.hidden = take.hidden = true;
   done.addEventListener('click', close);
   content.closest('dialog')?.addEventListener('close', () => {
     stop.abort();
