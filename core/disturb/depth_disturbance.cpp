@@ -185,7 +185,7 @@ Opened with_reach(std::unique_ptr<dataset::Sequence> sequence, const std::string
 }
 
 Opened with_focal(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
-  return with_number<Refocused>(std::move(sequence), "focal", options, {"percent", -10, 10, 1});
+  return with_number<Refocused>(std::move(sequence), "focal", options, {"percent", -40, 40, 1});
 }
 
 Opened with_skip(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {

@@ -12,7 +12,7 @@
 //     min_m     0 to 10 (1.5)
 //     max_m     0.1 to 100 (10)
 //   +focal      the stated focal length of the camera differs from the true one
-//     percent   -10 to 10 (1)
+//     percent   -40 to 40 (1)
 //   +skip       only every n-th frame is present
 //     every     2 to 1000 (3)
 #pragma once

@@ -14,6 +14,9 @@ namespace {
 
 constexpr const char* kHall = "synthetic:scene=bare,frames=120,width=320,height=240";
 
+// A camera that is moved fast.
+constexpr const char* kRun = "synthetic:speed=2,frames=90,width=320,height=240";
+
 // Views by poses that were led astray, as a tracker's are by a wrong camera: 5 cm and 2 degrees by
 // the last. The velocity of the camera is that of the true poses, if it is known.
 std::vector<CalibrationView> views_of(const std::string& disturbance, std::size_t count,
@@ -56,6 +59,19 @@ TEST(CameraCheck, FindsAFocalLengthThatIsOff) {
   EXPECT_EQ(found.change[kBend], 0);
 }
 
+// What a file of another camera states, or one of another size of the image.
+TEST(CameraCheck, FindsTheFocalLengthOfAnotherCamera) {
+  for (const double percent : {15.0, -15.0}) {
+    const std::string off = "+focal=percent=" + std::to_string(percent);
+    const CameraCheck found = check_camera(views_of(off, 14), camera_of(off));
+    EXPECT_EQ(found.verdict, CameraVerdict::kIsOff) << off;
+    EXPECT_NEAR(found.change[kFocal], -std::log(1 + percent / 100), 0.008) << off;
+    EXPECT_EQ(found.change[kBend], 0) << off;
+    ASSERT_TRUE(found.measured) << off;
+    EXPECT_GT(found.measured->deviations.focal, kFitting.focal) << "more of it may be left";
+  }
+}
+
 TEST(CameraCheck, FindsABendOfDepth) {
   const CameraCheck found =
       check_camera(views_of("+bend=percent=2", 14), camera_of("+bend=percent=2"));
@@ -84,9 +100,6 @@ TEST(CameraCheck, FindsALensBesideABend) {
   EXPECT_NEAR(found.change[kBend], 1 / 1.015 - 1, 0.002);
   EXPECT_EQ(found.change[kFocal], 0);
 }
-
-// A camera that is moved fast.
-constexpr const char* kRun = "synthetic:speed=2,frames=90,width=320,height=240";
 
 TEST(CameraCheck, FindsARollingShutterAndLateColour) {
   const CameraCheck rolling =
