@@ -20,6 +20,10 @@ constexpr double kLeastForeignGain = 0.1;
 
 }  // namespace
 
+void Question::ask(const Asked& instead) {
+  *std::ranges::find(asked, instead.number, &Asked::number) = instead;
+}
+
 JointSolution Question::solve(const std::vector<ViewPair>& of, const FreeNumbers& is_free,
                               const JointSolution* start) const {
   JointOptions options;
@@ -68,7 +72,7 @@ HeldOutGains gains_of_shape(const Question& question, const FreeNumbers& is_free
 
 bool has_foreign_focal(const Question& question, const FreeNumbers& is_free,
                        const JointSolution& found) {
-  if (std::abs(found.change[kFocal]) <= kMostUsual * kAsked.front().usual) return false;
+  if (std::abs(found.change[kFocal]) <= kMostUsual * usually_asked(kFocal).usual) return false;
   const HeldOutGains gains = gains_of_shape(question, is_free, found);
   return std::ranges::all_of(std::array{gains.in_surfaces, gains.in_corners}, [](const auto& gain) {
     return is_certain(gain) && gain.mean >= kLeastForeignGain;
