@@ -5,7 +5,7 @@
 #include "core/adjust/landmarks.h"
 #include "tests/core/adjust/point_world.h"
 
-namespace hermite::adjust {
+namespace hermite::adjust::aligned_match_test {
 namespace {
 
 struct Scene {
@@ -64,4 +64,4 @@ TEST(PointPairs, AreOfMatchesWithDepth) {
 }
 
 }  // namespace
-}  // namespace hermite::adjust
+}  // namespace hermite::adjust::aligned_match_test

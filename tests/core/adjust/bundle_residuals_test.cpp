@@ -7,7 +7,7 @@
 
 #include "core/adjust/bundle_noise.h"
 
-namespace hermite::adjust {
+namespace hermite::adjust::bundle_residuals_test {
 namespace {
 
 const Camera kCamera{640, 480, 525, 520, 319.5, 239.5, 5000};
@@ -176,4 +176,4 @@ TEST(SquareRoot, GivesTheInformationBack) {
 }
 
 }  // namespace
-}  // namespace hermite::adjust
+}  // namespace hermite::adjust::bundle_residuals_test

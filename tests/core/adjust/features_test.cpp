@@ -10,7 +10,7 @@
 
 #include "core/synthetic/synthetic_camera.h"
 
-namespace hermite::adjust {
+namespace hermite::adjust::features_test {
 namespace {
 
 const Camera kCamera{640, 480, 525, 525, 319.5, 239.5, 5000, {}};
@@ -246,4 +246,4 @@ TEST_F(DepthAt, OutsideTheImageThereIsNone) {
 }
 
 }  // namespace
-}  // namespace hermite::adjust
+}  // namespace hermite::adjust::features_test

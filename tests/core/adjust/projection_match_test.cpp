@@ -6,7 +6,7 @@
 
 #include "tests/core/adjust/point_world.h"
 
-namespace hermite::adjust {
+namespace hermite::adjust::projection_match_test {
 namespace {
 
 // A map of one keyframe at the origin whose features are landmarks 0, 1, 2... with true positions.
@@ -157,4 +157,4 @@ TEST(OneToOne, TheNearestDescriptorsComeFirst) {
 }
 
 }  // namespace
-}  // namespace hermite::adjust
+}  // namespace hermite::adjust::projection_match_test

@@ -41,7 +41,7 @@ dataset::Trajectory drifting(dataset::Trajectory poses) {
 
 Calibration calibrated(const dataset::Sequence& sequence) {
   CalibrateOptions options;
-  options.max_view_count = 24;
+  options.max_view_count = 16;
   options.thread_count = 2;
   return calibrate(sequence, {0, sequence.frame_count()}, drifting(sequence.groundtruth()),
                    options);

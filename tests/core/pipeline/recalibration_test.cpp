@@ -150,31 +150,25 @@ TEST(Recalibration, WhatIsKnownOfTheCameraIsForItsNextScan) {
   EXPECT_TRUE(poses_of(next) == poses_of(as_if_unknown)) << "only what is stated differs";
 }
 
-// A scan that is broken off after so many frames and goes on from its checkpoint ends as one that
-// was not.
-void expect_the_same_after_a_break_at(std::size_t broken_off) {
+// A scan that is broken off and goes on from its checkpoint ends as one that was not.
+TEST(Recalibration, GoesOnFromACheckpointWhileTheAnswerIsAwaitedAndAfterIt) {
   const Scanned& scanned = corrected_scan();
-  std::string state;
-  {
-    const std::unique_ptr<Pipeline> first = make_pipeline();
-    for (std::size_t i = 0; i < broken_off; ++i)
-      ASSERT_TRUE(first->process(recording().frames[i]).ok());
-    state = *first->save();
+  std::unique_ptr<Pipeline> pipeline = make_pipeline();
+  const std::vector<frame::RgbdFrame>& frames = recording().frames;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i == 30 || i == 50) {
+      EXPECT_EQ(pipeline->statistics().corrected_camera.has_value(), i == 50);
+      const std::string state = *pipeline->save();
+      pipeline = make_pipeline();
+      const Status restored = pipeline->restore(state);
+      ASSERT_TRUE(restored.ok()) << restored.error().message;
+    }
+    ASSERT_TRUE(pipeline->process(frames[i]).ok());
   }
-  const std::unique_ptr<Pipeline> second = make_pipeline();
-  const Status restored = second->restore(state);
-  ASSERT_TRUE(restored.ok()) << restored.error().message;
-  for (std::size_t i = broken_off; i < recording().frames.size(); ++i)
-    ASSERT_TRUE(second->process(recording().frames[i]).ok());
-  const Ended ended_second = ended(*second);
-  EXPECT_TRUE(ended_second.poses == poses_of(*scanned.pipeline));
-  EXPECT_TRUE(ended_second.cloud == output::format_ply(*scanned.pipeline->cloud()));
+  const Ended resumed = ended(*pipeline);
+  EXPECT_TRUE(resumed.poses == poses_of(*scanned.pipeline));
+  EXPECT_TRUE(resumed.cloud == output::format_ply(*scanned.pipeline->cloud()));
 }
-
-TEST(Recalibration, GoesOnFromACheckpointWhileTheAnswerIsAwaited) {
-  expect_the_same_after_a_break_at(30);
-}
-TEST(Recalibration, GoesOnFromACheckpointAfterTheAnswer) { expect_the_same_after_a_break_at(50); }
 
 TEST(Recalibration, OfAScanWithoutItsFramesIsADoubtThatMakesFramesWeak) {
   const Scanned scanned = scan(make_pipeline(Past::kNone));
