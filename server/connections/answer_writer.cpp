@@ -11,6 +11,8 @@
 #include <string>
 
 #include "server/net/run_on.h"
+#include "server/store/http_date.h"
+#include "server/store/unix_time.h"
 
 namespace hermite::server {
 
@@ -27,6 +29,9 @@ constexpr std::size_t kStoredPieceBytes = 256 * 1024;
 template <class Response>
 void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, bool keep_alive) {
   response.set(http::field::server, "hermite");
+  // A server with a clock must say what it shows (RFC 9110, 6.6.1): a page whose computer has
+  // another time knows by it for how long a scan has been running.
+  response.set(http::field::date, http_date(unix_now_ms()));
   if (encrypted) response.set(http::field::strict_transport_security, "max-age=31536000");
   response.set(http::field::content_type, answer.content_type);
   response.set(http::field::cache_control, answer.cache_control);

@@ -8,6 +8,7 @@
 #include "server/jobs/job_request.h"
 #include "server/operations/json_text.h"
 #include "server/operations/json_time.h"
+#include "server/store/http_date.h"
 #include "server/store/unix_time.h"
 
 namespace hermite::server {

@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <ctime>
 
 namespace hermite::server {
 
@@ -154,21 +152,6 @@ std::string decode_percent(std::string_view text) {
     if (coded) at += 2;
   }
   return decoded;
-}
-
-std::string http_date(std::int64_t unix_ms) {
-  // Not the names of strftime, which depend on the locale of the process.
-  constexpr std::array kDays{"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
-  constexpr std::array kMonths{"Jan", "Feb", "Mar", "Apr", "May", "Jun",
-                               "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
-  const std::time_t seconds = static_cast<std::time_t>(unix_ms / 1000);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char day[8], rest[32];
-  std::strftime(day, sizeof day, "%d", &utc);
-  std::strftime(rest, sizeof rest, "%Y %H:%M:%S GMT", &utc);
-  return fmt::format("{}, {} {} {}", kDays[static_cast<std::size_t>(utc.tm_wday)], day,
-                     kMonths[static_cast<std::size_t>(utc.tm_mon)], rest);
 }
 
 }  // namespace hermite::server

@@ -56,7 +56,4 @@ Result<std::map<std::string, std::string>> parse_upload_metadata(std::string_vie
 // Decodes percent-encoding (%20) in a path; a % that two hex digits do not follow remains.
 std::string decode_percent(std::string_view text);
 
-// Returns for example "Wed, 25 Jun 2014 16:00:00 GMT", the format of Upload-Expires.
-std::string http_date(std::int64_t unix_ms);
-
 }  // namespace hermite::server

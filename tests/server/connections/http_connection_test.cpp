@@ -262,7 +262,7 @@ TEST_F(HttpTest, ARefusedRequestsAnswerArrivesThoughItsBodyWasNotRead) {
   EXPECT_THAT(answer, HasSubstr("allowed are 4096"));
 }
 
-TEST_F(HttpTest, EveryAnswerHasTheSecurityHeaders) {
+TEST_F(HttpTest, EveryAnswerHasTheSecurityHeadersAndTheTime) {
   for (const std::string& answer :
        {get("/"), get("/healthz"), get("/nothing"), get("/api/v1/scans"),
         get("/api/v1/scans", with_token()),
@@ -272,7 +272,7 @@ TEST_F(HttpTest, EveryAnswerHasTheSecurityHeaders) {
     for (const char* header :
          {"Content-Security-Policy: default-src 'none'", "X-Content-Type-Options: nosniff",
           "Referrer-Policy: no-referrer", "Cross-Origin-Opener-Policy: same-origin",
-          "Cross-Origin-Resource-Policy: same-origin", "Cache-Control: "})
+          "Cross-Origin-Resource-Policy: same-origin", "Cache-Control: ", "Date: ", " GMT\r\n"})
       EXPECT_THAT(answer, HasSubstr(header)) << answer.substr(0, 40);
   }
 }

@@ -93,9 +93,5 @@ TEST(Tus, PercentsAreDecodedWhereTheyMeanSomething) {
   EXPECT_EQ(decode_percent("%zz%4"), "%zz%4");
 }
 
-TEST(Tus, DatesAreThoseOfHttp) {
-  EXPECT_EQ(http_date(1'403'712'000'123), "Wed, 25 Jun 2014 16:00:00 GMT");
-}
-
 }  // namespace
 }  // namespace hermite::server

@@ -2,6 +2,7 @@
 // a message; every request ends after a time limit.
 import { t } from '../texts/texts';
 import type { ScanPhaseName } from './events';
+import { serverClock } from './server_clock';
 
 const listLimit_ms = 10_000;
 
@@ -155,6 +156,7 @@ export async function request(
   } catch {
     throw new ApiError(t.theServerCannotBeReached, false, true);
   }
+  serverClock.hear(response.headers, Date.now());
   if (expected.includes(response.status)) return response;
   if (response.status === 401) throw new ApiError(t.theServerDoesNotAcceptThis, true);
   if (response.status === 403) throw new ApiError(t.thisAccessTokenDoesNotAllow, true);

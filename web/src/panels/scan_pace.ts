@@ -1,4 +1,5 @@
 // How long a running scan has been going and how fast its frames come, in a few characters.
+import { serverClock } from '../connection/server_clock';
 import type { LiveScan } from '../state/live_scan';
 import { PaceMeter, paceText } from '../state/pace';
 import type { Store } from '../state/store';
@@ -10,7 +11,11 @@ export function scanPace(scan: Store<LiveScan, never>): Panel {
   const node = element('span', { class: 'pace' });
   const meter = new PaceMeter();
   const show = (): void => {
-    const text = paceText(scan.get(), meter.perSecond(performance.now()), new Date());
+    const text = paceText(
+      scan.get(),
+      meter.perSecond(performance.now()),
+      serverClock.now(Date.now()),
+    );
     setText(node, text);
     node.hidden = text === '';
   };

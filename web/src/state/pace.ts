@@ -33,8 +33,8 @@ export class PaceMeter {
   }
 }
 
-const ahead_s = 60; // by so much the server's clock may be ahead of the browser's
-const longest_s = 24 * 3600; // beyond it one of the two clocks is wrong
+const ahead_s = 60; // by so much a scan may begin after now, since clocks are set
+const longest_s = 24 * 3600; // beyond it a clock was wrong
 
 function elapsedText(started: Date | null, now: Date): string {
   if (!started) return '';
@@ -42,7 +42,7 @@ function elapsedText(started: Date | null, now: Date): string {
   return elapsed_s < -ahead_s || elapsed_s > longest_s ? '' : clockText(Math.max(0, elapsed_s), 0);
 }
 
-// "0:42 · 29.9 fps", with what of it is known.
+// "0:42 · 29.9 fps", with what of it is known. `now`: by the server's clock, as `started`.
 export function paceText(
   { phase, paused, started }: Pick<LiveScan, 'phase' | 'paused' | 'started'>,
   perSecond: number | null,
