@@ -149,6 +149,10 @@ const canvases = new WeakMap(); // by context: an empty page that decodes images
 // Of the middle of the resting image, where no panel is: what `look` makes of its pixels.
 async function inPixels(context, page, look) {
   await untilResting(page);
+  // What is drawn is shown two images later at the latest, however busy the processor is.
+  await page.evaluate(
+    () => new Promise((shown) => requestAnimationFrame(() => requestAnimationFrame(shown))),
+  );
   const png = await page.screenshot({ clip: { x: 60, y: 90, width: 684, height: 400 } });
   if (!canvases.has(context)) canvases.set(context, await context.newPage());
   return canvases.get(context).evaluate(
