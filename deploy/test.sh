@@ -14,11 +14,13 @@ jobs=$(nproc)
 failed_tests=build/failed_tests.txt
 
 # All tests of a preset, one more at once than there are cores: the longest mostly wait. The names of those that fail are kept for the
-# summary, since their output is thousands of lines above it.
+# summary, since their output is thousands of lines above it. The slowest are named: six of them once took longer than all the others.
 tests_of() {
-  rm -f "$failed_tests"
-  ctest --preset "$1" -j "$((jobs + 1))" --no-tests=error || {
-    local logs=build/$1/Testing/Temporary
+  local logs=build/$1/Testing/Temporary times=$PWD/build/$1/test_times passed=true
+  rm -rf "$failed_tests" "$times"
+  ctest --preset "$1" -j "$((jobs + 1))" --no-tests=error || passed=false
+  tests/slowest_tests.py "$times"
+  $passed || {
     { sed -n 's/^[0-9]*://p' "$logs/LastTestsFailed.log"
       sed -n 's/^\[  FAILED  \] \([A-Za-z/]*\.[A-Za-z0-9_/]*\).*/\1/p' "$logs/LastTest.log" | sort -u; } | tr '\n' ' ' >"$failed_tests"
     return 1
