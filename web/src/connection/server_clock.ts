@@ -3,8 +3,8 @@
 export class ServerClock {
   private ahead_ms = 0; // of this computer's
 
-  // `headers`: of an answer that has just come. A kept one may tell of any time. The date is in whole
-  // seconds.
+  // `headers`: of an answer that has just come. A cached one would tell an old time. The date is in
+  // whole seconds.
   hear(headers: Headers, now_ms: number): void {
     if (headers.get('Cache-Control') !== 'no-store') return;
     const said_ms = Date.parse(headers.get('Date') ?? '');
