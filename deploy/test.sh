@@ -14,7 +14,7 @@ jobs=$(nproc)
 failed_tests=build/failed_tests.txt
 
 # All tests of a preset, one more at once than there are cores: the longest mostly wait. The names of those that fail are kept for the
-# summary, since their output is thousands of lines above it. The slowest are named: six of them once took longer than all the others.
+# summary, since their output is thousands of lines above it. The ten slowest are printed: they are what to cut first.
 tests_of() {
   local logs=build/$1/Testing/Temporary times=$PWD/build/$1/test_times passed=true
   rm -rf "$failed_tests" "$times"
