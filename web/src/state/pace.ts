@@ -33,8 +33,8 @@ export class PaceMeter {
   }
 }
 
-const ahead_s = 60; // by so much a scan may begin after now, since clocks are set
-const longest_s = 24 * 3600; // beyond it a clock was wrong
+const ahead_s = 60; // a clock that was just adjusted may put a beginning so far ahead
+const longest_s = 24 * 3600; // a longer scan is a wrong clock
 
 function elapsedText(started: Date | null, now: Date): string {
   if (!started) return '';
