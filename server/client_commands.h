@@ -95,5 +95,6 @@ Command add_pause_command(CLI::App& app);
 Command add_unpause_command(CLI::App& app);
 Command add_delete_command(CLI::App& app);
 Command add_share_command(CLI::App& app);
+Command add_top_command(CLI::App& app);
 
 }  // namespace hermite::commands

@@ -8,12 +8,15 @@
 #include <iostream>
 #include <memory>
 
+#include "server/client/printable.h"
 #include "server/client/scans.h"
 #include "server/client_commands.h"
 
 namespace hermite::commands {
 
 namespace {
+
+using client::printable;
 
 constexpr std::size_t kDefaultListed = 1000;
 
@@ -25,14 +28,6 @@ struct ScansArguments {
   int days = 0;
   bool json = false, yes = false, list = false;
 };
-
-// The title of another user could otherwise move the cursor or change the colours of the terminal.
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
-  return text;
-}
 
 // Turns "2024-05-01T12:00:00.123Z" into "2024-05-01 12:00 UTC".
 std::string minute_of(const std::string& utc) {

@@ -110,6 +110,19 @@ def shown_certificate(port):
     return ssl.get_server_certificate(("127.0.0.1", port))
 
 
+def check_top(server, scan):
+    """`hermite-client top` shows the scan that runs, with its rate, and what the metrics say."""
+    shown = run(CLIENT, "top", "--server", server.url, "--metrics", "http://127.0.0.1:%d" % server.admin, "--once", "--interval", "2")
+    check(shown.returncode == 0, shown.stderr)
+    lines = shown.stdout.splitlines()
+    check("1 scan running" in lines[0] and "0 jobs running, 0 waiting" in lines[0], shown.stdout)
+    check("GPU memory" in lines[1] and "ms from a frame's arrival" in lines[1], shown.stdout)
+    row = next(line.split() for line in lines if scan in line)
+    check(float(row[0]) > 0 and int(row[3]) > 0, shown.stdout)
+    refused = run(CLIENT, "top", "--server", server.url.split("#")[0], "--token", "wrong", "--once")
+    check(refused.returncode == 5 and "token" in refused.stderr, refused.stderr)
+
+
 class Operators(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="hermite-operators-")
@@ -188,6 +201,7 @@ class Operators(unittest.TestCase):
         status, trace = server.ask("/debug/trace?scan=" + scan)
         events = json.loads(trace)["traceEvents"]
         check(status == 200 and any(event["ph"] == "X" and event["name"] == "track" for event in events), trace)
+        check_top(server, scan)
         server.process.send_signal(signal.SIGTERM)
         code, log = server.end()
         check(code == 0, "exit status %d" % code)
