@@ -5,8 +5,8 @@
 
 namespace hermite::client {
 
-// Returns the text with '?' in place of control characters: the title of another user could
-// otherwise move the cursor or change the colours of the terminal.
-std::string printable(std::string text);
+// Returns the UTF-8 text with a question mark in place of each control character: the title of
+// another user could otherwise move the cursor or change the colours of the terminal.
+std::string printable(const std::string& text);
 
 }  // namespace hermite::client
