@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/client/plural.h"
 #include "server/client/printable.h"
 
 namespace hermite::client {
@@ -19,11 +20,6 @@ std::string minute_of(const std::string& utc) {
 
 std::string gigabytes(double bytes) { return fmt::format("{:.1f}", bytes / 1e9); }
 
-// "1 job", "2 jobs"
-std::string counted(std::size_t count, const char* one) {
-  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
-}
-
 bool is_running(const JobReport& job) { return job.state == "running"; }
 
 std::string rate_text(const std::optional<double>& frames_per_s) {
@@ -36,18 +32,18 @@ std::string summary(const Activity& activity, const std::string& server, const s
   for (const RunningScan& row : activity.scans)
     if (row.frames_per_s) frames_per_s = frames_per_s.value_or(0) + *row.frames_per_s;
   std::string text = fmt::format("{}  {}  {} running, {} frames/s", server, now,
-                                 counted(activity.scans.size(), "scan"), rate_text(frames_per_s));
+                                 plural(activity.scans.size(), "scan"), rate_text(frames_per_s));
   if (!activity.jobs) return text + "; the token may not see jobs";
   const auto running = static_cast<std::size_t>(
       std::count_if(activity.jobs->begin(), activity.jobs->end(), is_running));
-  return text + fmt::format("; {} running, {} waiting", counted(running, "job"),
+  return text + fmt::format("; {} running, {} waiting", plural(running, "job"),
                             activity.jobs->size() - running);
 }
 
 std::string load_text(const ServerLoad& load) {
   std::string text = fmt::format("{}, {} waiting for a place",
-                                 counted(static_cast<std::size_t>(load.viewers), "viewer"),
-                                 counted(static_cast<std::size_t>(load.waiting_cameras), "camera"));
+                                 plural(static_cast<std::size_t>(load.viewers), "viewer"),
+                                 plural(static_cast<std::size_t>(load.waiting_cameras), "camera"));
   text += "; GPU memory " + gigabytes(load.gpu_memory_bytes);
   if (load.gpu_memory_limit_bytes > 0) text += " of " + gigabytes(load.gpu_memory_limit_bytes);
   text += fmt::format(" GB; {} GB of disk free", gigabytes(load.disk_free_bytes));
@@ -123,7 +119,7 @@ std::string activity_text(const Activity& activity, const std::string& server,
   if (size.rows > 1 && lines.size() > size.rows) {
     const std::size_t missing = lines.size() - size.rows + 1;
     lines.resize(size.rows - 1);
-    lines.push_back(fmt::format("... and {} more", counted(missing, "line")));
+    lines.push_back(fmt::format("... and {} more", plural(missing, "line")));
   }
   std::string text;
   for (const std::string& line : lines)

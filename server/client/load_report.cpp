@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/printf_text.h"
+#include "server/client/plural.h"
 
 namespace hermite::client {
 
@@ -22,10 +23,6 @@ constexpr double kMuchOfAThread = 0.8;
 constexpr double kOfferedInTime = 0.95;
 
 double as_double(std::uint64_t count) { return static_cast<double>(count); }
-
-std::string plural(std::uint64_t count, const char* one) {
-  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
-}
 
 std::string bytes_text(double bytes) {
   if (bytes < 1e3) return printf_text("%.0f bytes", bytes);
