@@ -54,7 +54,7 @@ void Rectifier::correct(DepthImage& depth) const {
 }
 
 RgbdFrame Rectifier::apply(const RgbdFrame& frame) const {
-  RgbdFrame rectified{frame.timestamp_s, straight(frame.depth), {}};
+  RgbdFrame rectified{frame.timestamp_s, straight(frame.depth), {}, frame.acceleration_m_s2};
   correct(rectified.depth);
   rectified.color =
       registration_ ? registration_->apply(frame.color, rectified.depth) : straight(frame.color);

@@ -171,6 +171,8 @@ struct Writer {
     out.set_timestamp_s(frame.timestamp_s);
     out.set_depth(std::move(frame.depth));
     out.set_color(std::move(frame.color));
+    if (frame.acceleration_m_s2)
+      write_vector3(*frame.acceleration_m_s2, *out.mutable_acceleration_m_s2());
   }
   void operator()(Finish&) const { message.mutable_finish(); }
   void operator()(ViewerAck& ack) const { message.mutable_viewer_ack()->set_bytes(ack.bytes); }
@@ -190,9 +192,12 @@ Result<ClientMessage> parse_client_message(std::string_view bytes, std::size_t m
     case v1::ClientMessage::kHello: return hello_from(*message.mutable_hello());
     case v1::ClientMessage::kFrame: {
       v1::Frame& frame = *message.mutable_frame();
+      std::optional<Eigen::Vector3d> acceleration_m_s2;
+      if (frame.has_acceleration_m_s2())
+        acceleration_m_s2 = vector3_from(frame.acceleration_m_s2());
       return ClientMessage(Frame{frame.sequence(), frame.timestamp_s(),
                                  std::move(*frame.mutable_depth()),
-                                 std::move(*frame.mutable_color())});
+                                 std::move(*frame.mutable_color()), acceleration_m_s2});
     }
     case v1::ClientMessage::kFinish: return ClientMessage(Finish{});
     case v1::ClientMessage::kViewerAck:

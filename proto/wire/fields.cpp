@@ -183,6 +183,16 @@ Result<Rigid3> rigid3_from(const std::string& field, const v1::Rigid3& message) 
   return transform;
 }
 
+Eigen::Vector3d vector3_from(const v1::Vector3& message) {
+  return {message.x(), message.y(), message.z()};
+}
+
+void write_vector3(const Eigen::Vector3d& vector, v1::Vector3& message) {
+  message.set_x(vector.x());
+  message.set_y(vector.y());
+  message.set_z(vector.z());
+}
+
 void write_rigid3(const Rigid3& transform, v1::Rigid3& message) {
   message.set_tx(transform.translation.x());
   message.set_ty(transform.translation.y());

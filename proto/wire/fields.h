@@ -35,6 +35,8 @@ void write_camera(const Camera& camera, v1::Camera& message);
 // kInvalidArgument naming the field: not finite, or a quaternion that is not of unit length within
 // 1e-3.
 Result<Rigid3> rigid3_from(const std::string& field, const v1::Rigid3& message);
+Eigen::Vector3d vector3_from(const v1::Vector3& message);  // as it is
+void write_vector3(const Eigen::Vector3d& vector, v1::Vector3& message);
 void write_rigid3(const Rigid3& transform, v1::Rigid3& message);
 
 }  // namespace hermite::wire

@@ -43,7 +43,8 @@ Result<frame::RgbdFrame> decode_frame_payload(const Frame& frame, DepthCodec dep
   Result<ColorImage> color =
       image::decode_color(bytes_of(frame.color), {camera.width, camera.height});
   if (!color.ok()) return in_context("frame.color", color.error());
-  return frame::RgbdFrame{frame.timestamp_s, *std::move(depth), *std::move(color)};
+  return frame::RgbdFrame{frame.timestamp_s, *std::move(depth), *std::move(color),
+                          frame.acceleration_m_s2};
 }
 
 Result<std::string> encode_depth_payload(const DepthImage& depth, DepthCodec depth_codec) {

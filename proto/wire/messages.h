@@ -5,6 +5,7 @@
 // value that is to be sent should. The rules of order, credit and closing are in proto/README.md.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -17,12 +18,13 @@
 #include "core/base/result.h"
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
+#include "core/math/up_direction.h"
 
 namespace hermite::wire {
 
 inline constexpr const char* kSubprotocol = "hermite.v1";
 inline constexpr const char* kEndpoint = "/api/v1/ws";
-inline constexpr std::uint32_t kProtocolMinor = 7;
+inline constexpr std::uint32_t kProtocolMinor = 8;
 // Both ends must have it for a scan to outlive its connection.
 inline constexpr std::uint32_t kMinorWithResume = 2;
 inline constexpr std::uint32_t kMinorWithWaiting = 3;       // a camera of it can wait for a place
@@ -88,6 +90,7 @@ struct Frame {
   double timestamp_s = 0;
   std::string depth;
   std::string color;
+  std::optional<Eigen::Vector3d> acceleration_m_s2{};  // as in frame::RgbdFrame
 };
 struct Finish {};
 struct Pause {};
@@ -218,6 +221,7 @@ struct ScanState {
   std::uint64_t loops = 0;
   bool paused = false;
   bool can_pause = false;
+  std::optional<UpDirection> up{};
 };
 struct Finished {
   std::string report_json;

@@ -143,10 +143,17 @@ Result<ServerMessage> scan_state_from(v1::ScanState& message) {
   if (message.phase() < v1::SCAN_PHASE_RUNNING || message.phase() > v1::SCAN_PHASE_INTERRUPTED)
     return Error{ErrorCode::kUnsupported, fmt::format("scan_state.phase is {}, known are 1 to 4",
                                                       static_cast<int>(message.phase()))};
+  std::optional<UpDirection> up;
+  if (message.has_up()) {
+    up = UpDirection{vector3_from(message.up().in_world()), message.up().sigma_rad()};
+    if (!(std::abs(up->in_world.norm() - 1) <= 1e-3) || !(up->sigma_rad >= 0))
+      return Error{ErrorCode::kInvalidArgument,
+                   "scan_state.up is no direction of unit length with its standard deviation"};
+  }
   return ServerMessage(
       ScanState{static_cast<ScanPhase>(message.phase()), std::move(*message.mutable_words()),
                 message.frames_received(), message.frames_processed(), message.frames_dropped(),
-                message.keyframes(), message.loops(), message.paused(), message.can_pause()});
+                message.keyframes(), message.loops(), message.paused(), message.can_pause(), up});
 }
 
 Result<ServerMessage> trajectory_from(const v1::TrajectoryPart& message) {
@@ -281,6 +288,10 @@ struct Writer {
     out.set_loops(state.loops);
     out.set_paused(state.paused);
     out.set_can_pause(state.can_pause);
+    if (state.up) {
+      write_vector3(state.up->in_world, *out.mutable_up()->mutable_in_world());
+      out.mutable_up()->set_sigma_rad(state.up->sigma_rad);
+    }
   }
   void operator()(Finished& finished) const {
     message.mutable_finished()->set_report_json(std::move(finished.report_json));

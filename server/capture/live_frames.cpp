@@ -16,7 +16,8 @@ wire::Frame encode_captured(const frame::RgbdFrame& frame, wire::DepthCodec dept
   CHECK(depth.ok() && color.ok(), "images of a valid camera's size can be encoded");
   return {.timestamp_s = frame.timestamp_s,
           .depth = *std::move(depth),
-          .color = {color->begin(), color->end()}};
+          .color = {color->begin(), color->end()},
+          .acceleration_m_s2 = frame.acceleration_m_s2};
 }
 
 LiveFrames::LiveFrames(const Camera& camera, std::vector<wire::DepthCodec> depth_codecs)

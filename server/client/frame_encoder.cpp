@@ -46,6 +46,7 @@ Status encode_recording(const dataset::Sequence& sequence, const WireEncoding& e
   if (!color.ok()) return in_context("colour", color.error());
   encoded.frame.depth = *std::move(depth);
   encoded.frame.color = *std::move(color);
+  encoded.frame.acceleration_m_s2 = recorded->acceleration_m_s2;
   return Done{};
 }
 

@@ -117,7 +117,7 @@ void add_client_seeds(SeedFolder& seeds) {
   add(wire::Frame{1, 0.033, text(image::encode_depth_ranks(depth_image(2))),
                   text(*image::encode_jpeg(color_image(), 80))});
   add(wire::Frame{2, 0.066, text(*image::encode_depth_png(depth_image(2))),
-                  text(*image::encode_png(color_image()))});
+                  text(*image::encode_png(color_image())), Eigen::Vector3d(0.1, -9.7, 1.5)});
   add(wire::Finish{});
   add(wire::ViewerAck{100000});
   add(wire::Ping{7});

@@ -143,6 +143,15 @@ TEST(ClientMessage, AFramesTimeIsNotJudgedHere) {
   EXPECT_TRUE(std::isnan(std::get<Frame>(*frame).timestamp_s));
 }
 
+TEST(ClientMessage, WhatAFrameFeltComesBackAndIsNotJudgedHere) {
+  Frame frame{4, 1.5, "d", "c"};
+  EXPECT_FALSE(std::get<Frame>(*round_trip(frame)).acceleration_m_s2.has_value());
+  frame.acceleration_m_s2 = Eigen::Vector3d(0.25, -9.75, 1e300);
+  EXPECT_EQ(std::get<Frame>(*round_trip(frame)).acceleration_m_s2, frame.acceleration_m_s2);
+  frame.acceleration_m_s2 = Eigen::Vector3d(0, std::nan(""), 0);
+  EXPECT_TRUE(std::isnan(std::get<Frame>(*round_trip(frame)).acceleration_m_s2->y()));
+}
+
 TEST(ClientMessage, ABodyOfTheFutureIsUnknownAndNoError) {
   // Field 90, length-delimited, 3 bytes: what a newer client could send.
   const auto message = parse_client_message(std::string("\xd2\x05\x03xyz", 6), kLimit);

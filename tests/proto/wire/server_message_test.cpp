@@ -232,6 +232,21 @@ TEST(ServerMessage, TheOtherBodiesComeBackAsTheyWere) {
   EXPECT_EQ(part.submaps, (std::vector<std::uint32_t>{0, 9}));
 }
 
+TEST(ServerMessage, UpComesBackOrIsNamed) {
+  ScanState state;
+  EXPECT_FALSE(round_trip(state).up.has_value());
+  state.up = UpDirection{{0, -0.8, -0.6}, 0.02};
+  EXPECT_EQ(round_trip(state).up->in_world, state.up->in_world);
+  EXPECT_EQ(round_trip(state).up->sigma_rad, 0.02);
+  for (const UpDirection& wrong :
+       {UpDirection{{0, -0.8, -0.7}, 0.02}, UpDirection{{0, std::nan(""), 0}, 0.02},
+        UpDirection{{0, -1, 0}, -1}, UpDirection{{0, -1, 0}, std::nan("")}}) {
+    state.up = wrong;
+    EXPECT_THAT(parse_server_message(format_server_message(state)).error().message,
+                HasSubstr("scan_state.up"));
+  }
+}
+
 TEST(ServerMessage, PosesThatAreNoneAreNamed) {
   FrameResult result;
   result.world_from_camera.translation.x() = std::nan("");
