@@ -20,6 +20,7 @@ constexpr double kMinFrameRate_hz = 0.1, kMaxFrameRate_hz = 1000;
 // Tolerance for the difference of R R^T from the identity: a calibration written with four digits
 // passes, a mirrored or scaled one does not.
 constexpr double kRotationTolerance = 1e-3;
+constexpr const char* kAccelerometerKey = "camera_from_accelerometer";
 
 struct KnownCamera {
   std::string_view name;       // --camera
@@ -112,26 +113,36 @@ Result<Distortion> distortion_of(const nlohmann::json& object, const std::string
   return distortion;
 }
 
-Result<Rigid3> transform_of(const nlohmann::json& object, const std::string& key) {
+// Returns the three rows of `object[key]`, of which the first three columns are a rotation.
+Result<Eigen::MatrixXd> rows_of(const nlohmann::json& object, const std::string& key, int columns,
+                                const char* shape) {
   const auto rows = object.find(key);
-  const auto is_row = [](const nlohmann::json& row) {
-    return row.is_array() && row.size() == 4 &&
+  const auto is_row = [columns](const nlohmann::json& row) {
+    return row.is_array() && row.size() == static_cast<std::size_t>(columns) &&
            std::all_of(row.begin(), row.end(), [](const auto& value) { return value.is_number(); });
   };
   if (rows == object.end() || !rows->is_array() || rows->size() != 3 ||
       !std::all_of(rows->begin(), rows->end(), is_row))
-    return key_error(key, "must be three rows of four numbers, [R | t in metres]");
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+    return key_error(key, fmt::format("must be three rows of {}", shape));
+  Eigen::MatrixXd matrix(3, columns);
   for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column)
+    for (int column = 0; column < columns; ++column)
       matrix(row, column) =
           (*rows)[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)].get<double>();
-  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d rotation = matrix.leftCols<3>();
   const double error =
       (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kRotationTolerance) || rotation.determinant() < 0)
     return key_error(key, "is no rotation in its left three columns, within " +
                               std::to_string(kRotationTolerance));
+  return matrix;
+}
+
+Result<Rigid3> transform_of(const nlohmann::json& object, const std::string& key) {
+  const Result<Eigen::MatrixXd> rows = rows_of(object, key, 4, "four numbers, [R | t in metres]");
+  if (!rows.ok()) return rows.error();
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  matrix.topRows<3>() = *rows;
   return rigid3_from_matrix(matrix);
 }
 
@@ -217,6 +228,11 @@ Result<CameraFile> parse_camera_json(const std::string& text) {
       return key_error("frame_rate_hz", "must be from 0.1 to 1000");
     file.frame_rate_hz = *rate;
   }
+  if (object.contains(kAccelerometerKey)) {
+    const Result<Eigen::MatrixXd> axes = rows_of(object, kAccelerometerKey, 3, "three numbers");
+    if (!axes.ok()) return axes.error();
+    file.camera_from_accelerometer = *axes;
+  }
   return file;
 }
 
@@ -278,6 +294,11 @@ std::string format_camera_json(const CameraFile& file) {
                               {"cx", color.cx},
                               {"cy", color.cy},
                               {"color_from_depth", rows}};
+  }
+  if (file.camera_from_accelerometer) {
+    const Eigen::Matrix3d& axes = *file.camera_from_accelerometer;
+    for (int row = 0; row < 3; ++row)
+      object[kAccelerometerKey].push_back({axes(row, 0), axes(row, 1), axes(row, 2)});
   }
   return object.dump(2) + "\n";
 }

@@ -19,9 +19,13 @@
 //   standard_deviations  an object with any of bend, focal and k1 (Camera::deviations): what may be
 //                     wrong with these numbers. Written by `hermite calibrate`, and in known_camera
 //                     of report.json.
+//   camera_from_accelerometer  three rows of three numbers, a rotation: how the axes of the
+//                     recording's accelerometer.txt lie to those of the camera (x right, y down, z
+//                     forward). Without it only the benchmark's own files are used.
 // Other keys are ignored.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -37,6 +41,7 @@ struct CameraFile {
   Camera camera;
   double frame_rate_hz = kDefaultFrameRate_hz;
   bool says_color_camera = false;  // has the key, even if it is null
+  std::optional<Eigen::Matrix3d> camera_from_accelerometer{};
 };
 
 // Errors name the key and the allowed values.

@@ -60,8 +60,10 @@ class LoggedSequence : public Sequence {
     if (!frame.ok()) return in_context(segment->path(), frame.error());
     auto depth = wire::decode_depth_payload(frame->depth, codec_, camera_);
     if (!depth.ok()) return depth.error();
-    return RecordedFrame{
-        at.timestamp_s, *std::move(depth), {frame->color.begin(), frame->color.end()}};
+    return RecordedFrame{at.timestamp_s,
+                         *std::move(depth),
+                         {frame->color.begin(), frame->color.end()},
+                         frame->acceleration_m_s2};
   }
 
  private:

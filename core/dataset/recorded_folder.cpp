@@ -63,7 +63,8 @@ class FolderSequence : public Sequence {
     if (!color_bytes.ok()) return in_context("frame " + std::to_string(index), color_bytes.error());
     for (const std::uint16_t invalid : contents_.invalid_depth)
       std::replace(depth->pixels.begin(), depth->pixels.end(), invalid, std::uint16_t{0});
-    return RecordedFrame{paths.timestamp_s, std::move(*depth), std::move(*color_bytes)};
+    return RecordedFrame{paths.timestamp_s, std::move(*depth), std::move(*color_bytes),
+                         paths.acceleration_m_s2};
   }
 
  private:
@@ -90,11 +91,29 @@ void sort_by_time(std::vector<TimedFile>& files) {
   files.erase(files.begin(), kept.base());
 }
 
-std::vector<double> times_of(const std::vector<TimedFile>& files) {
+template <class Timed>
+std::vector<double> times_of(const std::vector<Timed>& list) {
   std::vector<double> times_s;
-  times_s.reserve(files.size());
-  for (const TimedFile& file : files) times_s.push_back(file.timestamp_s);
+  times_s.reserve(list.size());
+  for (const Timed& one : list) times_s.push_back(one.timestamp_s);
   return times_s;
+}
+
+// Gives each frame what was felt before it, in the axes of the camera.
+void turn_accelerations(FolderContents& contents) {
+  if (contents.felt.empty()) return;
+  if (!contents.camera_from_accelerometer) {
+    contents.doubts.push_back(
+        fmt::format("{} is not used: nothing says how its axes lie to the camera (see "
+                    "camera_from_accelerometer of camera.json)",
+                    kAccelerometerFile));
+    return;
+  }
+  const auto means = felt_before(times_of(contents.frames), contents.felt);
+  for (std::size_t i = 0; i < means.size(); ++i)
+    if (means[i])
+      contents.frames[i].acceleration_m_s2 = *contents.camera_from_accelerometer * *means[i];
+  contents.felt.clear();
 }
 
 }  // namespace
@@ -137,7 +156,7 @@ Result<std::vector<FramePaths>> pair_by_time(std::vector<TimedFile> colors,
   std::vector<FramePaths> frames;
   for (const IndexPair& pair : *pairs)
     frames.push_back(
-        {depths[pair.first].timestamp_s, colors[pair.second].path, depths[pair.first].path});
+        {depths[pair.first].timestamp_s, colors[pair.second].path, depths[pair.first].path, {}});
   return frames;
 }
 
@@ -169,6 +188,7 @@ Result<Recording> open_folder(const std::string& folder, const std::optional<Cam
   std::optional<Camera> camera = given;
   if (given) recording.camera_source = "given";
   bool says_color_camera = given.has_value();
+  std::optional<Eigen::Matrix3d> camera_from_accelerometer;
   if (const std::string path = folder + "/camera.json"; is_file(path)) {
     const Result<CameraFile> file = read_camera_json(path);
     // An invalid file is an error even if the caller passes a camera, because its frame rate is
@@ -178,10 +198,13 @@ Result<Recording> open_folder(const std::string& folder, const std::optional<Cam
     if (!camera) recording.camera_source = "camera.json";
     if (!camera) camera = file->camera;
     says_color_camera = says_color_camera || file->says_color_camera;
+    camera_from_accelerometer = file->camera_from_accelerometer;
   }
   Result<FolderContents> contents = list(folder);
   if (!contents.ok()) return contents.error();
   if (camera) contents->camera = camera;
+  if (camera_from_accelerometer) contents->camera_from_accelerometer = camera_from_accelerometer;
+  turn_accelerations(*contents);
   if (!camera) recording.camera_source = contents->camera_source;
   if (!contents->camera)
     return Error{ErrorCode::kNotFound,

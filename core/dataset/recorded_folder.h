@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/dataset/accelerometer.h"
 #include "core/dataset/recording.h"
 
 namespace hermite::dataset {
@@ -19,6 +20,7 @@ struct FramePaths {
   double timestamp_s = 0;
   std::string color;  // relative to the folder
   std::string depth;
+  std::optional<Eigen::Vector3d> acceleration_m_s2{};  // as in frame::RgbdFrame
 };
 
 // The result of listing a folder, before any image is read.
@@ -28,6 +30,9 @@ struct FolderContents {
   Trajectory groundtruth;
   std::optional<Camera> camera;  // from the folder's own files, or by a well-known name
   std::string camera_source;     // which of these
+  // In the accelerometer's own axes, with how these lie to the camera, where that is known.
+  std::vector<TimedAcceleration> felt;
+  std::optional<Eigen::Matrix3d> camera_from_accelerometer;
   std::vector<std::string> doubts;
   std::vector<std::uint16_t> invalid_depth;  // stored values that mean "no measurement" besides 0
 };

@@ -19,8 +19,9 @@ namespace hermite::dataset {
 // client sends.
 struct RecordedFrame {
   double timestamp_s = 0;
-  DepthImage depth;                       // sensor units
-  std::vector<std::uint8_t> color_bytes;  // JPEG or PNG, as in the recording
+  DepthImage depth;                                    // sensor units
+  std::vector<std::uint8_t> color_bytes;               // JPEG or PNG, as in the recording
+  std::optional<Eigen::Vector3d> acceleration_m_s2{};  // as in frame::RgbdFrame
 };
 
 // Const functions are thread-safe.

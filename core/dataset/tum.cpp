@@ -1,5 +1,5 @@
-// TUM RGB-D benchmark: rgb.txt and depth.txt with "time file" lines, and groundtruth.txt if there
-// is one.
+// TUM RGB-D benchmark: rgb.txt and depth.txt with "time file" lines, and groundtruth.txt and
+// accelerometer.txt if they are there.
 #include <fmt/core.h>
 
 #include <filesystem>
@@ -37,6 +37,23 @@ Result<FileList> read_list(const std::string& path) {
 // 'rgbd_dataset_freiburg1_xyz.bag'".
 std::string_view head_of(const std::string& text) { return std::string_view(text).substr(0, 1000); }
 
+// A recording without a readable list of accelerations is still one. Its own Kinects have known
+// axes; other programs write theirs into a file of the same name.
+void list_accelerations(const std::string& folder, FolderContents& contents) {
+  const std::string path = folder + "/" + kAccelerometerFile;
+  if (!is_file(path)) return;
+  const Result<std::string> text = read_text_file(path);
+  Result<std::vector<TimedAcceleration>> felt =
+      text.ok() ? parse_accelerations(*text) : text.error();
+  if (!felt.ok()) {
+    contents.doubts.push_back(felt.error().message + "; what the accelerometer felt is not used");
+    return;
+  }
+  contents.felt = *std::move(felt);
+  if (camera_mentioned_in(head_of(*text)))
+    contents.camera_from_accelerometer = camera_from_kinect_accelerometer();
+}
+
 }  // namespace
 
 std::optional<std::string> probe_tum(const std::string& folder) {
@@ -62,6 +79,7 @@ Result<FolderContents> list_tum(const std::string& folder) {
   if (!contents.camera) contents.camera = camera_mentioned_in(head_of(colors->text));
   if (!contents.camera) contents.camera = camera_mentioned_in(head_of(depths->text));
 
+  list_accelerations(folder, contents);
   const std::string truth_path = folder + "/groundtruth.txt";
   if (!is_file(truth_path)) return contents;
   const Result<std::string> truth_text = read_text_file(truth_path);

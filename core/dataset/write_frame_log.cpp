@@ -46,7 +46,8 @@ Status append_frame(frame_log::FrameLog& log, const RecordedFrame& frame, std::i
                          wire::Frame{static_cast<std::uint64_t>(number),
                                      frame.timestamp_s,
                                      *std::move(depth),
-                                     {frame.color_bytes.begin(), frame.color_bytes.end()}}));
+                                     {frame.color_bytes.begin(), frame.color_bytes.end()},
+                                     frame.acceleration_m_s2}));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "core/archive/fresh_folder.h"
+#include "core/dataset/accelerometer.h"
 #include "core/dataset/camera_file.h"
 #include "core/dataset/remarks.h"
 #include "core/image/image_codec.h"
@@ -35,6 +36,7 @@ struct Lists {
   std::string colors = "# color images\n# timestamp filename\n";
   std::string depths = "# depth maps\n# timestamp filename\n";
   std::string associations = "# timestamp depth timestamp color\n";
+  std::vector<TimedAcceleration> felt;  // in the axes of the camera
 };
 
 Status write_frame(const archive::FreshFolder& folder, const RecordedFrame& frame, Lists& lists) {
@@ -50,6 +52,7 @@ Status write_frame(const archive::FreshFolder& folder, const RecordedFrame& fram
   if (const Status status = write_file(folder, {"rgb", color_name}, frame.color_bytes);
       !status.ok())
     return status;
+  if (frame.acceleration_m_s2) lists.felt.push_back({frame.timestamp_s, *frame.acceleration_m_s2});
   lists.colors += fmt::format("{} rgb/{}\n", time, color_name);
   lists.depths += fmt::format("{} depth/{}\n", time, depth_name);
   lists.associations += fmt::format("{} depth/{} {} rgb/{}\n", time, depth_name, time, color_name);
@@ -58,11 +61,14 @@ Status write_frame(const archive::FreshFolder& folder, const RecordedFrame& fram
 
 Status write_lists(const archive::FreshFolder& folder, const Lists& lists,
                    const Sequence& sequence) {
+  CameraFile camera{sequence.camera(), sequence.frame_rate_hz(), true};
+  if (!lists.felt.empty()) camera.camera_from_accelerometer = Eigen::Matrix3d::Identity();
   std::vector<std::pair<const char*, std::string>> files = {
       {"rgb.txt", lists.colors},
       {"depth.txt", lists.depths},
       {"associations.txt", lists.associations},
-      {"camera.json", format_camera_json({sequence.camera(), sequence.frame_rate_hz(), true})}};
+      {"camera.json", format_camera_json(camera)}};
+  if (!lists.felt.empty()) files.emplace_back(kAccelerometerFile, format_accelerations(lists.felt));
   if (!sequence.groundtruth().empty())
     files.emplace_back("groundtruth.txt", format_tum_trajectory(sequence.groundtruth()));
   for (const auto& [name, text] : files)

@@ -100,7 +100,8 @@ TEST(LoggedFrames, AreBitForBitWhatWasSent) {
 
 TEST(LoggedFrames, AConvertedRecordingReadsBackTheSame) {
   const TempFolder folder;
-  const auto source = *source::open_sequence("synthetic:frames=4,width=96,height=72+missing=1:1");
+  const auto source =
+      *source::open_sequence("synthetic:frames=4,width=96,height=72+missing=1:1+accelerometer");
   const auto written = write_frame_log(*source, {0, source->frame_count()}, folder.path("scan"),
                                        [](std::int64_t) {});
   ASSERT_TRUE(written.ok()) << written.error().message;
@@ -113,7 +114,9 @@ TEST(LoggedFrames, AConvertedRecordingReadsBackTheSame) {
     EXPECT_EQ(recording->sequence->timestamp_s(i), source->timestamp_s(i));
     EXPECT_EQ(recording->sequence->read(i)->depth, source->read(i)->depth);
     EXPECT_EQ(recording->sequence->read(i)->color_bytes, source->read(i)->color_bytes);
+    EXPECT_EQ(recording->sequence->read(i)->acceleration_m_s2, source->read(i)->acceleration_m_s2);
   }
+  EXPECT_TRUE(recording->sequence->read(0)->acceleration_m_s2.has_value());
   const auto again = write_frame_log(*source, {0, 1}, folder.path("scan"), [](std::int64_t) {});
   ASSERT_FALSE(again.ok());
   EXPECT_THAT(again.error().message, HasSubstr("exists already"));
