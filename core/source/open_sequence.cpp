@@ -10,6 +10,7 @@
 #include "core/disturb/depth_disturbance.h"
 #include "core/disturb/depth_noise.h"
 #include "core/disturb/disturbance.h"
+#include "core/disturb/held_disturbance.h"
 #include "core/disturb/lens_disturbance.h"
 #include "core/disturb/light_disturbance.h"
 #include "core/disturb/moving_person.h"
@@ -97,7 +98,9 @@ constexpr SuffixKind kSuffixKinds[] = {{"+noise", noisy},
                                        {"+torn", disturb::with_torn},
                                        {"+stained", disturb::with_stained},
                                        {"+warming", disturb::with_warming},
-                                       {"+jitter", disturb::with_jitter}};
+                                       {"+jitter", disturb::with_jitter},
+                                       {"+turned", disturb::with_turned},
+                                       {"+accelerometer", disturb::with_accelerometer}};
 // Each disturbance is a layer around the sequence through which every read passes.
 constexpr std::size_t kMaxSuffixes = 16;
 

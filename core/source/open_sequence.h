@@ -34,6 +34,7 @@ namespace hermite::source {
 //   +headlamp +lamp +sun +balance             light_disturbance.h
 //   +attached +torn +stained                  rig_disturbance.h
 //   +warming +jitter                          rig_disturbance.h
+//   +turned +accelerometer                    held_disturbance.h
 Result<std::unique_ptr<dataset::Sequence>> open_sequence(
     const std::string& source, const std::optional<Camera>& camera = std::nullopt);
 
