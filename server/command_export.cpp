@@ -13,6 +13,7 @@
 #include "core/export/scan_recording.h"
 #include "core/export/texture_frames.h"
 #include "core/measure/measure.h"
+#include "core/report/reported_up.h"
 #include "core/texture/texture.h"
 #include "core/thumbnail/up_direction.h"
 #include "server/commands.h"
@@ -86,11 +87,13 @@ plan::FloorPlan plan_to_export(const ExportArguments& arguments) {
   std::optional<dataset::Trajectory> path;
   std::optional<measure::MapKnowledge> map;
   if (dataset::is_file(trajectory)) path = or_throw(dataset::read_tum_trajectory(trajectory));
+  std::optional<UpDirection> measured_up;
+  if (dataset::is_file(report))
+    measured_up = report::up_in_report(or_throw(dataset::read_text_file(report)));
   if (path && dataset::is_file(report))
     map = or_throw(measure::map_knowledge_of(or_throw(dataset::read_text_file(trajectory)),
                                              or_throw(dataset::read_text_file(report))));
-  const Eigen::Vector3f up =
-      thumbnail::up_direction(cloud).value_or(thumbnail::up_of_first_camera());
+  const Eigen::Vector3f up = thumbnail::best_up(cloud, measured_up);
   return or_throw(plan::floor_plan_of(
       {cloud, up.cast<double>(), path ? &*path : nullptr, map ? &*map : nullptr}));
 }

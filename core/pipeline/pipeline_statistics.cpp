@@ -17,6 +17,9 @@ PipelineStatistics statistics_of(const Reconstruction& now) {
   if (now.tracked_frame_count > 0 &&
       std::ranges::all_of(component, [&](std::uint32_t of) { return of == component.front(); }))
     statistics.expected_error = now.front_end.certainty().expected_error(ground_of(now.layout()));
+  FeltUp felt = now.gravity.in_world(now.layout());
+  statistics.up = felt.up;
+  statistics.up_problem = std::move(felt.problem);
   statistics.calibration_doubt = now.front_end.calibration_doubt().reason();
   statistics.surfel_count = now.front_end.store.surfel_count();
   statistics.surfel_slot_count = now.front_end.store.slot_count();

@@ -8,6 +8,7 @@
 
 #include "core/adjust/mapping.h"
 #include "core/math/camera.h"
+#include "core/math/up_direction.h"
 #include "core/track/path_noise.h"
 
 namespace hermite::pipeline {
@@ -23,6 +24,9 @@ struct PipelineStatistics {
   double position_sigma_m = 0, rotation_sigma_rad = 0;  // of the last tracked frame
   // Nullopt: no frame was tracked, or components are not joined.
   std::optional<track::ExpectedError> expected_error;
+  // Nullopt without an accelerometer, or with `up_problem`: why its values cannot be used.
+  std::optional<UpDirection> up;
+  std::string up_problem;
   std::string calibration_doubt;  // as text; empty: the camera fits its views
   // As text; empty: the given calibration is in use. This and the next two are set by
   // Pipeline::statistics().

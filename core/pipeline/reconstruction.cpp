@@ -74,8 +74,7 @@ MapEvent Reconstruction::observe(const frame::RgbdFrame& frame, const Rigid3& tr
   return layout().closure_count > closures_before ? MapEvent::kLoopClosed : MapEvent::kNone;
 }
 
-// Returns how far the camera can have come [m] from its last place. A clock that was set back tells
-// nothing.
+// Returns how far the camera can have come [m]: infinitely when the clock was set back.
 double Reconstruction::reach_m(double timestamp_s) const {
   if (timestamp_s <= pace.last_tracked_s()) return std::numeric_limits<double>::infinity();
   return track::PlaceDoubt::reach_m(unseen_s(timestamp_s)) +
@@ -278,6 +277,7 @@ FrameResult Reconstruction::process(const frame::PreparedFrame& taken) {
   poses.add(result, reasons.number_of(result.reason), world_from_camera * camera_from_frame,
             layout());
   poses.describe_last(lost_count, result);
+  gravity.add(taken.frame.acceleration_m_s2, poses.anchored().back());
   return result;
 }
 
@@ -354,6 +354,7 @@ void Reconstruction::fields(Bytes& bytes, Saved& saved) {
   bytes.number(saved.uncertainty.elsewhere_m);
   bytes.number(saved.last_depth_digest);
   FramePoses::fields(bytes, saved.poses);
+  FeltGravity::fields(bytes, saved.gravity);
   bytes.number(saved.tracked_frame_count);
   bytes.number(saved.weak_frame_count);
 }
@@ -385,7 +386,7 @@ void Reconstruction::restore(ByteReader& bytes) {
   bytes.require(known_keyframes >= 0 && uncertainty.elsewhere_m >= 0,
                 "the doubt about the camera's place");
   poses.require_valid(bytes, submaps, reasons.size());
-  bytes.require(front_end.store.world_from_submap().size() <= submaps,
+  bytes.require(front_end.store.world_from_submap().size() <= submaps && gravity.is_valid(submaps),
                 "the number of submaps is inconsistent");
 }
 

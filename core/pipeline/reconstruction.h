@@ -16,6 +16,7 @@
 #include "core/calibrate/camera_watch.h"
 #include "core/frame/prepared_frame.h"
 #include "core/pipeline/camera_pace.h"
+#include "core/pipeline/felt_gravity.h"
 #include "core/pipeline/frame_poses.h"
 #include "core/pipeline/frame_result.h"
 #include "core/pipeline/front_end.h"
@@ -111,6 +112,7 @@ struct Reconstruction {
   std::uint64_t last_depth_digest = 0;
   FramePoses poses;
   ReasonTable reasons;  // of poses
+  FeltGravity gravity;
   std::int64_t tracked_frame_count = 0, weak_frame_count = 0;
   // Frames counted by the next two and by the device's clocks, since restore().
   std::int64_t timed_frame_count = 0;

@@ -10,6 +10,7 @@
 #include "core/dataset/camera_file.h"
 #include "core/digest/sha256.h"
 #include "core/evaluate/accuracy_report.h"
+#include "core/report/reported_up.h"
 
 namespace hermite::report {
 
@@ -47,6 +48,8 @@ std::string format_report_json(const RunReport& run, const dataset::Trajectory& 
     report["expected_error"] = {{"path_m", error->path_m},   {"step_m", error->step_m},
                                 {"drift_m", error->drift_m}, {"stall_m", error->stall_m},
                                 {"doubt_m", error->doubt_m}, {"camera_m", error->camera_m}};
+  if (statistics.up) report_up(*statistics.up, report);
+  if (!statistics.up_problem.empty()) report["up_problem"] = statistics.up_problem;
   report["calibration_doubt"] = statistics.calibration_doubt;
   report["camera_correction"] = statistics.camera_correction;
   const auto put_camera = [&report](const char* key, const Camera& camera) {

@@ -24,7 +24,8 @@ using testing::HasSubstr;
 // Three metres of a circuit, 7 cm from one frame to the next.
 const test::Recording& walk() {
   static const test::Recording made = test::record(
-      "synthetic:scene=loop,frames=48,width=160,height=120,rate=6,noise=kinect-white,seed=1");
+      "synthetic:scene=loop,frames=48,width=160,height=120,rate=6,noise=kinect-white,seed=1"
+      "+accelerometer");
   return made;
 }
 
@@ -102,6 +103,9 @@ std::string told_at_the_end(Pipeline& pipeline) {
   const Result<output::Cloud> cloud = pipeline.cloud();
   EXPECT_TRUE(cloud.ok());
   for (const output::CloudPoint& point : *cloud) append(text, point);
+  const std::optional<UpDirection> up = pipeline.statistics().up;
+  EXPECT_TRUE(up.has_value());
+  if (up) append(text, Rigid3{Eigen::Quaterniond::Identity(), up->in_world * up->sigma_rad});
   return text + told(*pipeline.take_changes());
 }
 

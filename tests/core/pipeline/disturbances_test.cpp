@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
 
 #include "core/disturb/moving_person.h"
 #include "core/evaluate/trajectory_error.h"
@@ -20,6 +23,8 @@ struct Scanned {
   std::int64_t tracked_wrong = 0;  // of these: more than 5 cm from the truth
   double farthest_m = 0;           // from the truth, of those that are not lost
   output::Cloud cloud;
+  std::optional<UpDirection> up;
+  std::string up_problem;
 };
 
 enum class Places { kUnknown, kRecognised };
@@ -51,11 +56,38 @@ Scanned scan(const std::string& source, const Options& options = {},
   EXPECT_TRUE(error.ok());
   result.ate_rmse_m = error->ate_m.rmse;
   result.cloud = *pipeline.cloud();
+  result.up = pipeline.statistics().up;
+  result.up_problem = pipeline.statistics().up_problem;
   return result;
 }
 
 // Bare walls have nothing but their image to hold on to along them.
 const std::string kBareWalls = "synthetic:scene=bare,frames=60,width=160,height=120,rate=20";
+
+// Where up is in the world of the first camera; the ground truth has z upwards.
+Eigen::Vector3d true_up(const std::string& source) {
+  const auto sequence = *source::open_sequence(source);
+  return sequence->groundtruth()[0].world_from_camera.rotation.conjugate() *
+         Eigen::Vector3d::UnitZ();
+}
+
+TEST(Disturbances, AnAccelerometerKnowsUpHoweverTheCameraIsHeld) {
+  const std::string room = "synthetic:frames=30,width=160,height=120,rate=10";
+  for (const char* held : {"", "+turned=deg=90", "+turned=deg=180"}) {
+    SCOPED_TRACE(held);
+    const std::string source = room + held + "+accelerometer";
+    const Scanned scanned = scan(source);
+    EXPECT_EQ(scanned.found, 30);
+    EXPECT_LT(scanned.ate_rmse_m, 0.005);
+    ASSERT_TRUE(scanned.up) << scanned.up_problem;
+    const double error_rad = std::acos(scanned.up->in_world.dot(true_up(source)));
+    EXPECT_LT(error_rad, 3 * scanned.up->sigma_rad);
+    EXPECT_LT(scanned.up->sigma_rad, 0.06);
+  }
+  const Scanned without = scan(room);
+  EXPECT_FALSE(without.up);
+  EXPECT_EQ(without.up_problem, "");
+}
 
 TEST(Disturbances, LightAndLensDoNotCarryTheCameraAway) {
   const Scanned undisturbed = scan(kBareWalls);

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/report/reported_up.h"
+
 namespace hermite::report::run_report_test {
 namespace {
 
@@ -45,6 +47,32 @@ TEST(Report, SaysWhatTheRunWas) {
   EXPECT_EQ(report["gpu_memory_mb"], 3.5);
   EXPECT_EQ(report["device"], "a device");
   EXPECT_GT(report["peak_rss_mb"].get<double>(), 1.0);
+}
+
+TEST(Report, SaysWhichWayIsUpAndIsReadAgain) {
+  RunReport run = small_run();
+  EXPECT_FALSE(up_in_report(format_report_json(run, {}, {})).has_value());
+  run.statistics.up = UpDirection{Eigen::Vector3d(0.1, -0.9, 0.3).normalized(), 0.02};
+  const auto up = up_in_report(format_report_json(run, {}, {}));
+  ASSERT_TRUE(up.has_value());
+  EXPECT_LT((up->in_world - run.statistics.up->in_world).norm(), 1e-9);
+  EXPECT_NEAR(up->sigma_rad, 0.02, 1e-9);
+  run.statistics.up.reset();
+  run.statistics.up_problem = "it is not known";
+  EXPECT_EQ(nlohmann::json::parse(format_report_json(run, {}, {}))["up_problem"],
+            "it is not known");
+}
+
+TEST(Report, WithoutAUsableDirectionNoneIsRead) {
+  for (const char* wrong :
+       {"", "[]", "3", "{}", R"({"up": 1})", R"({"up": {"in_world": [0, -1, 0]}})",
+        R"({"up": {"in_world": [0, -2, 0], "sigma_deg": 1}})",
+        R"({"up": {"in_world": [0, -1], "sigma_deg": 1}})",
+        R"({"up": {"in_world": [0, -1, "0"], "sigma_deg": 1}})",
+        R"({"up": {"in_world": [0, -1, 0], "sigma_deg": -1}})",
+        R"({"up": {"in_world": [0, -1, 0], "sigma_deg": null}})"})
+    EXPECT_FALSE(up_in_report(wrong).has_value()) << wrong;
+  EXPECT_TRUE(up_in_report(R"({"up": {"in_world": [0, -1, 0], "sigma_deg": 1}})").has_value());
 }
 
 TEST(Report, HashesAreSha256OfTheExactBytes) {
