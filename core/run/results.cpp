@@ -23,7 +23,8 @@ Result<RunResults> results_of(pipeline::Pipeline& pipeline, const pipeline::Opti
   run.cloud_points = cloud->size();
   std::string report_json = report::format_report_json(run, pipeline.trajectory(), groundtruth);
   // Of a scan that was ended at once no point has been seen often enough.
-  Result<std::string> thumbnail = thumbnail::thumbnail_jpeg(cloud->empty() ? *surfels : *cloud);
+  Result<std::string> thumbnail =
+      thumbnail::thumbnail_jpeg(cloud->empty() ? *surfels : *cloud, run.statistics.up);
   if (!thumbnail.ok()) return in_context("drawing the thumbnail", thumbnail.error());
   return RunResults{std::move(run.cloud_ply),
                     output::format_ply(*surfels),

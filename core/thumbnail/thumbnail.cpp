@@ -87,11 +87,12 @@ output::Cloud some_of(const output::Cloud& cloud, std::size_t most) {
 }
 
 // The view from the side that shows most of the surface.
-ParallelView best_view(const output::Cloud& cloud, int width_px, int height_px) {
+ParallelView best_view(const output::Cloud& cloud, const std::optional<UpDirection>& measured_up,
+                       int width_px, int height_px) {
   const output::Cloud tried = some_of(cloud, kTriedPoints);
   ParallelView best;
   if (tried.empty()) return best;
-  const Eigen::Vector3f up = up_direction(tried).value_or(up_of_first_camera());
+  const Eigen::Vector3f up = best_up(tried, measured_up);
   double most_m2 = -1;
   for (int side = 0; side < kSides; ++side) {
     const float turn_rad = 2 * std::numbers::pi_v<float> * static_cast<float>(side) / kSides;
@@ -108,31 +109,33 @@ ParallelView best_view(const output::Cloud& cloud, int width_px, int height_px) 
   return best;
 }
 
-ColorImage drawn(const output::Cloud& cloud) {
+ColorImage drawn(const output::Cloud& cloud, const std::optional<UpDirection>& up) {
   constexpr int kWidth_px = kOversampling * kThumbnailWidth_px,
                 kHeight_px = kOversampling * kThumbnailHeight_px;
-  const DiscImage image = draw_discs(cloud, best_view(cloud, kWidth_px, kHeight_px), kWidth_px,
+  const DiscImage image = draw_discs(cloud, best_view(cloud, up, kWidth_px, kHeight_px), kWidth_px,
                                      kHeight_px, kBackground);
   return image::resize_color(image.color, {kThumbnailWidth_px, kThumbnailHeight_px});
 }
 
 }  // namespace
 
-ColorImage thumbnail_of(const output::Cloud& cloud) {
+ColorImage thumbnail_of(const output::Cloud& cloud, const std::optional<UpDirection>& up) {
   if (std::any_of(cloud.begin(), cloud.end(),
                   [](const output::CloudPoint& point) { return point.radius_m > 0; }))
-    return drawn(cloud);
+    return drawn(cloud, up);
   // Of another program's cloud: each point takes the place that its neighbours leave it.
   output::Cloud points;
   std::copy_if(cloud.begin(), cloud.end(), std::back_inserter(points),
                [](const output::CloudPoint& point) { return point.position_m.allFinite(); });
   const std::vector<float> spacings_m = output::point_spacings_m(points);
   for (std::size_t i = 0; i < points.size(); ++i) points[i].radius_m = spacings_m[i];
-  return drawn(points);
+  return drawn(points, up);
 }
 
-Result<std::string> thumbnail_jpeg(const output::Cloud& cloud) {
-  const Result<std::vector<std::uint8_t>> bytes = image::encode_jpeg(thumbnail_of(cloud), kQuality);
+Result<std::string> thumbnail_jpeg(const output::Cloud& cloud,
+                                   const std::optional<UpDirection>& up) {
+  const Result<std::vector<std::uint8_t>> bytes =
+      image::encode_jpeg(thumbnail_of(cloud, up), kQuality);
   if (!bytes.ok()) return bytes.error();
   return std::string(bytes->begin(), bytes->end());
 }

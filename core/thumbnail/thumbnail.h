@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "core/base/image.h"
 #include "core/base/result.h"
+#include "core/math/up_direction.h"
 #include "core/output/cloud.h"
 
 namespace hermite::thumbnail {
@@ -19,9 +21,11 @@ inline constexpr std::size_t kThumbnailPoints = 400'000;
 
 // Draws the cloud; of an empty one there is only the background. Points without a radius take that
 // of their neighbours' distance. The same cloud gives the same pixels.
-ColorImage thumbnail_of(const output::Cloud& cloud);
+// `up`: as measured, if it was.
+ColorImage thumbnail_of(const output::Cloud& cloud, const std::optional<UpDirection>& up = {});
 
 // Returns the same as JPEG, about 30 kB.
-Result<std::string> thumbnail_jpeg(const output::Cloud& cloud);
+Result<std::string> thumbnail_jpeg(const output::Cloud& cloud,
+                                   const std::optional<UpDirection>& up = {});
 
 }  // namespace hermite::thumbnail

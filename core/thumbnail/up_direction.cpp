@@ -13,8 +13,7 @@ namespace {
 
 // The viewer judges alike in web/src/scene/gravity.ts.
 constexpr std::size_t kMostSamples = 4000, kFewestSamples = 300;
-// Nobody holds a camera further from upright.
-constexpr float kMostTilt_rad = std::numbers::pi_v<float> / 3;
+constexpr double kLeastRange_rad = 0.05, kRangeDeviations = 3;
 // Step between candidates: half of what they are judged by.
 constexpr float kStep_rad = 0.09f;
 constexpr float kCoarse_rad = 0.17f;
@@ -61,17 +60,20 @@ Support support_of(const Normals& normals, const Eigen::Vector3f& up, float with
   return {share(floor), share(ceiling), share(walls)};
 }
 
-// Directions on a cone of rings around the first camera's up.
-std::vector<Eigen::Vector3f> candidates() {
-  std::vector<Eigen::Vector3f> all{up_of_first_camera()};
-  for (float tilt_rad = kStep_rad; tilt_rad < kMostTilt_rad; tilt_rad += kStep_rad) {
+// Directions on a cone of rings around the middle of the range.
+std::vector<Eigen::Vector3f> candidates(const UpRange& range) {
+  const Eigen::Quaternionf from_upright =
+      Eigen::Quaternionf::FromTwoVectors(UpRange().middle, range.middle);
+  std::vector<Eigen::Vector3f> all{range.middle};
+  for (float tilt_rad = kStep_rad; tilt_rad < range.most_off_rad; tilt_rad += kStep_rad) {
     const int count =
         static_cast<int>(std::ceil(2 * std::numbers::pi_v<float> * std::sin(tilt_rad) / kStep_rad));
     for (int i = 0; i < count; ++i) {
       const float turn_rad =
           2 * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(count);
-      all.emplace_back(std::sin(tilt_rad) * std::cos(turn_rad), -std::cos(tilt_rad),
-                       std::sin(tilt_rad) * std::sin(turn_rad));
+      all.push_back(from_upright * Eigen::Vector3f(std::sin(tilt_rad) * std::cos(turn_rad),
+                                                   -std::cos(tilt_rad),
+                                                   std::sin(tilt_rad) * std::sin(turn_rad)));
     }
   }
   return all;
@@ -97,13 +99,20 @@ Eigen::Vector3f refined(const Normals& normals, const Eigen::Vector3f& up, float
 
 }  // namespace
 
-std::optional<Eigen::Vector3f> up_direction(const output::Cloud& cloud) {
+UpRange up_range(const std::optional<UpDirection>& measured) {
+  if (!measured) return {};
+  const auto off_rad =
+      static_cast<float>(std::max(kLeastRange_rad, kRangeDeviations * measured->sigma_rad));
+  return {measured->in_world.cast<float>(), std::min(UpRange().most_off_rad, off_rad)};
+}
+
+std::optional<Eigen::Vector3f> up_direction(const output::Cloud& cloud, const UpRange& range) {
   const Normals normals = some_normals(cloud);
   if (normals.size() < kFewestSamples) return std::nullopt;
-  const Eigen::Vector3f held = up_of_first_camera();
+  const Eigen::Vector3f& held = range.middle;
   Eigen::Vector3f best = held;
   float best_score = 0;
-  for (const Eigen::Vector3f& candidate : candidates()) {
+  for (const Eigen::Vector3f& candidate : candidates(range)) {
     const Support support = support_of(normals, candidate, kCoarse_rad);
     const float cosine = candidate.dot(held);
     const float score =
@@ -117,10 +126,15 @@ std::optional<Eigen::Vector3f> up_direction(const output::Cloud& cloud) {
   for (const float within_rad : kFine_rad) best = refined(normals, best, within_rad);
   const Support support = support_of(normals, best, kCoarse_rad);
   const float across = support.floor + support.ceiling;
-  if (best.dot(held) < std::cos(kMostTilt_rad) || across + support.walls < kEnough ||
+  if (best.dot(held) < std::cos(range.most_off_rad) || across + support.walls < kEnough ||
       across < kEnoughAcross)
     return std::nullopt;
   return best;
+}
+
+Eigen::Vector3f best_up(const output::Cloud& cloud, const std::optional<UpDirection>& measured) {
+  const UpRange range = up_range(measured);
+  return up_direction(cloud, range).value_or(range.middle);
 }
 
 }  // namespace hermite::thumbnail

@@ -205,8 +205,7 @@ Result<plan::FloorPlan> ExportBuilder::make_plan(const std::string& scan_id) {
   const Result<measure::MapKnowledge> map = read_map_knowledge(blobs_, scan_id);
   for (const Error& error : {path.ok() ? Error() : path.error(), map.ok() ? Error() : map.error()})
     if (!error.message.empty() && error.code != ErrorCode::kNotFound) return error;
-  const Eigen::Vector3f up =
-      thumbnail::up_direction(*cloud).value_or(thumbnail::up_of_first_camera());
+  const Eigen::Vector3f up = thumbnail::best_up(*cloud, read_measured_up(blobs_, scan_id));
   return plan::floor_plan_of(
       {*cloud, up.cast<double>(), path.ok() ? &*path : nullptr, map.ok() ? &*map : nullptr});
 }
@@ -251,7 +250,8 @@ Result<output::NamedFiles> ExportBuilder::with_thumbnail(const std::string& scan
   if (mesh_->edits.empty() && blobs_.size_bytes(scan_id, thumbnail::kThumbnailName).ok())
     return output::NamedFiles{std::move(mesh)};
   Result<std::string> thumbnail = thumbnail::thumbnail_jpeg(
-      thumbnail::points_on(mesh_->with_texture(), thumbnail::kThumbnailPoints));
+      thumbnail::points_on(mesh_->with_texture(), thumbnail::kThumbnailPoints),
+      read_measured_up(blobs_, scan_id));
   if (!thumbnail.ok()) return thumbnail.error();
   return output::NamedFiles{{kMeshThumbnailFile, *std::move(thumbnail)}, std::move(mesh)};
 }

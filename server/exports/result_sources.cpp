@@ -5,6 +5,8 @@
 #include <fstream>
 #include <utility>
 
+#include "core/report/reported_up.h"
+
 namespace hermite::server {
 
 namespace {
@@ -37,6 +39,11 @@ Result<measure::MapKnowledge> read_map_knowledge(Blobs& blobs, const std::string
   const Result<std::string> report = read_blob(blobs, scan_id, kReportFile, kMaxReport_bytes);
   if (!report.ok()) return report.error();
   return measure::map_knowledge_of(*trajectory, *report);
+}
+
+std::optional<UpDirection> read_measured_up(Blobs& blobs, const std::string& scan_id) {
+  const Result<std::string> text = read_blob(blobs, scan_id, kReportFile, kMaxReport_bytes);
+  return text.ok() ? report::up_in_report(*text) : std::nullopt;
 }
 
 std::uint64_t free_memory_bytes() {

@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "core/base/result.h"
 #include "core/dataset/trajectory.h"
+#include "core/math/up_direction.h"
 #include "core/measure/measure.h"
 #include "core/output/ply_reader.h"
 #include "server/store/blobs.h"
@@ -28,6 +30,8 @@ Result<output::PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, cons
                                   std::uint64_t max_bytes);
 Result<dataset::Trajectory> read_path(Blobs& blobs, const std::string& scan_id);
 Result<measure::MapKnowledge> read_map_knowledge(Blobs& blobs, const std::string& scan_id);
+// Nullopt also where the scan has no report.
+std::optional<UpDirection> read_measured_up(Blobs& blobs, const std::string& scan_id);
 
 // Memory that is available without swapping (MemAvailable of Linux); 0: unknown.
 using FreeMemory = std::function<std::uint64_t()>;

@@ -31,7 +31,8 @@ wire::ScanState LiveDisplay::state(const std::string& message) const {
           keyframes_,
           loops_,
           paused,
-          can_pause};
+          can_pause,
+          up_};
 }
 
 std::string LiveDisplay::message() const {
@@ -74,6 +75,7 @@ void LiveDisplay::frame_done(const FrameOutcome& outcome) {
 void LiveDisplay::model_changed(ModelUpdate update) {
   keyframes_ = update.keyframes;
   loops_ = update.loops;
+  up_ = update.up;
   gpu_memory_bytes_ = update.gpu_memory_bytes;
   if (!update.chunks.empty())
     arrivals_.points_encoded(update.encoding.start, Arrivals::Clock::now());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "proto/wire/messages.h"
@@ -59,6 +60,7 @@ class LiveDisplay {
   Subscribers& subscribers_;
   // From the last update of the model.
   std::uint64_t keyframes_ = 0, loops_ = 0, gpu_memory_bytes_ = 0;
+  std::optional<UpDirection> up_;
   std::string warning_;
   std::string worker_message_;
   bool mesh_ended_ = false;

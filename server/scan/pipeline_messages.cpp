@@ -78,6 +78,7 @@ void measure(const pipeline::PipelineStatistics& statistics, ModelUpdate& update
   const adjust::MappingCounts counts = statistics.mapping.value_or(adjust::MappingCounts{});
   update.keyframes = static_cast<std::uint64_t>(counts.keyframes);
   update.loops = static_cast<std::uint64_t>(counts.loops());
+  update.up = statistics.up;
   for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes)
     update.gpu_memory_bytes += static_cast<std::uint64_t>(bytes);
   update.device_memory_bytes = static_cast<std::uint64_t>(statistics.device_memory_bytes);
@@ -86,6 +87,8 @@ void measure(const pipeline::PipelineStatistics& statistics, ModelUpdate& update
 std::string remark_about_map(const pipeline::PipelineStatistics& statistics) {
   std::string remark = statistics.calibration_doubt.empty() ? statistics.camera_correction
                                                             : statistics.calibration_doubt;
+  if (!statistics.up_problem.empty())
+    remark += (remark.empty() ? "" : "; ") + statistics.up_problem;
   const std::int64_t parts = statistics.mapping.value_or(adjust::MappingCounts{}).components;
   if (parts < 2) return remark;
   if (!remark.empty()) remark += "; ";

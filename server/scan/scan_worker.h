@@ -88,6 +88,7 @@ struct ModelUpdate {
   wire::SubmapPoses poses;
   std::optional<std::vector<wire::PoseInSubmap>> past;  // as in FrameOutcome, for all frames
   std::uint64_t keyframes = 0, loops = 0;               // so far
+  std::optional<UpDirection> up;                        // as measured so far
   std::uint64_t gpu_memory_bytes = 0;                   // of the scan
   std::uint64_t device_memory_bytes = 0;                // total memory of the device; 0: unknown
   Timeline::Stage encoding;                             // of `chunks`

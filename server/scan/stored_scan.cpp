@@ -7,6 +7,7 @@
 
 #include "core/adjust/mapping_counts.h"
 #include "core/dataset/trajectory.h"
+#include "core/report/reported_up.h"
 #include "proto/wire/server_message.h"
 #include "server/store/chunk_file.h"
 
@@ -60,6 +61,7 @@ void read_map_counts(Blobs& blobs, const std::string& scan_id, wire::ScanState& 
   }
   state.keyframes = static_cast<std::uint64_t>(counts.keyframes);
   state.loops = static_cast<std::uint64_t>(counts.loops());
+  state.up = report::up_in_report(*text);
 }
 
 StoredScan read_stored_scan(Blobs& blobs, const std::string& scan_id) {

@@ -62,6 +62,40 @@ TEST(UpDirection, IsNotKnownOfWallsAloneOfAFewPointsAndOfABall) {
   EXPECT_FALSE(up_direction(ball).has_value());
 }
 
+constexpr float kDegree = std::numbers::pi_v<float> / 180;
+
+UpDirection measured(const Eigen::Vector3f& up, float sigma_deg) {
+  return {up.cast<double>().normalized(), sigma_deg * kDegree};
+}
+
+// With a camera on its side the walls are where floors are expected; an accelerometer knows better.
+TEST(UpDirection, IsLookedForWhereAnAccelerometerMeasuredIt) {
+  const Eigen::Matrix3f world_from_room = turned(5, 90);
+  const output::Cloud cloud = room(world_from_room, true);
+  const Eigen::Vector3f truth = world_from_room * Eigen::Vector3f(0, -1, 0);
+  EXPECT_LT(best_up(cloud, std::nullopt).dot(truth), 0.5f) << "nobody could know";
+  const Eigen::Vector3f near = turned(0, 2) * truth;
+  EXPECT_GT(best_up(cloud, measured(near, 1)).dot(truth), std::cos(0.5f * kDegree))
+      << "the floor is better than the accelerometer";
+}
+
+TEST(UpDirection, IsWhatWasMeasuredWhereTheSurfaceDoesNotTell) {
+  const Eigen::Vector3f up = turned(20, 130) * Eigen::Vector3f(0, -1, 0);
+  EXPECT_LT((best_up({}, measured(up, 1)) - up).norm(), 1e-6f);
+  EXPECT_LT((best_up({}, std::nullopt) - Eigen::Vector3f(0, -1, 0)).norm(), 1e-6f);
+  // A ramp of 20 degrees is no floor for one who knows up within a degree.
+  const Eigen::Vector3f level = turned(20, 0) * Eigen::Vector3f(0, -1, 0);
+  EXPECT_LT((best_up(room(turned(0, 0), true), measured(level, 1)) - level).norm(), 1e-6f);
+}
+
+TEST(UpDirection, TheRangeIsThreeDeviationsButNotBelowTheSlopeOfAFloor) {
+  const UpDirection sharp = measured({0, 0, 1}, 0.1f), wide = measured({0, 0, 1}, 2);
+  EXPECT_NEAR(up_range(sharp).most_off_rad, 0.05f, 1e-6f);
+  EXPECT_NEAR(up_range(wide).most_off_rad, 6 * kDegree, 1e-6f);
+  EXPECT_EQ(up_range(wide).middle, Eigen::Vector3f(0, 0, 1));
+  EXPECT_EQ(up_range(std::nullopt).middle, UpRange{}.middle);
+}
+
 }  // namespace up_direction_test
 }  // namespace
 }  // namespace hermite::thumbnail
