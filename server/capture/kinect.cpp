@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/dataset/accelerometer.h"
 #include "core/dataset/associate.h"
 #include "core/dataset/recorded_folder.h"
 #include "server/capture/device_clock.h"
@@ -53,8 +54,6 @@ class Context {
     if (freenect_init(&context_, nullptr) < 0) context_ = nullptr;
     if (!context_) return;
     freenect_set_log_level(context_, FREENECT_LOG_FATAL);
-    // The motor needs its own permissions and firmware, and is not used here.
-    freenect_select_subdevices(context_, FREENECT_DEVICE_CAMERA);
   }
   ~Context() {
     if (context_) freenect_shutdown(context_);
@@ -62,6 +61,19 @@ class Context {
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
   freenect_context* get() const { return context_; }
+
+  // Returns null when another program uses the camera or this user may not. The accelerometer is a
+  // part of the motor, which needs permissions and, in some models, firmware of its own; a camera
+  // without it is one still.
+  freenect_device* open(int index) {
+    for (const int motor : {int{FREENECT_DEVICE_MOTOR}, 0}) {
+      freenect_select_subdevices(
+          context_, static_cast<freenect_device_flags>(FREENECT_DEVICE_CAMERA | motor));
+      freenect_device* device = nullptr;
+      if (freenect_open_device(context_, &device, index) >= 0) return device;
+    }
+    return nullptr;
+  }
 
  private:
   freenect_context* context_ = nullptr;
@@ -88,6 +100,7 @@ class Kinect final : public CaptureCamera {
   // Called by libfreenect from within next().
   static void on_depth(freenect_device* device, void* data, std::uint32_t ticks);
   static void on_color(freenect_device* device, void* data, std::uint32_t ticks);
+  std::optional<Eigen::Vector3d> felt_m_s2();
   static Kinect& of(freenect_device* device) {
     return *static_cast<Kinect*>(freenect_get_user(device));
   }
@@ -98,6 +111,7 @@ class Kinect final : public CaptureCamera {
   const CameraDescription description_;
   Context context_;
   freenect_device* device_ = nullptr;
+  bool feels_ = true;
   DeviceClock clock_{kTicksPerSecond};
   FramePairing pairing_{dataset::kMaxAssociationGap_s};
 };
@@ -130,14 +144,13 @@ Status Kinect::start(int index) {
   if (index >= count)
     return Error{ErrorCode::kDevice,
                  fmt::format("there is no {}: {} are attached", description_.name, count)};
-  if (freenect_open_device(context_.get(), &device_, index) < 0) {
-    device_ = nullptr;
+  device_ = context_.open(index);
+  if (!device_)
     return Error{
         ErrorCode::kDevice,
         description_.name +
             " cannot be opened: another program uses it, or this user may not (the udev rules of "
             "libfreenect0.5 allow the group plugdev)"};
-  }
   freenect_set_user(device_, this);
   freenect_set_depth_callback(device_, on_depth);
   freenect_set_video_callback(device_, on_color);
@@ -154,10 +167,25 @@ Status Kinect::start(int index) {
   return Done{};
 }
 
+// Asks the sensor, which takes about a millisecond. Zeros are what libfreenect gives before the
+// sensor has answered, and without one.
+std::optional<Eigen::Vector3d> Kinect::felt_m_s2() {
+  feels_ = feels_ && freenect_update_tilt_state(device_) >= 0;
+  if (!feels_) return std::nullopt;
+  Eigen::Vector3d felt_m_s2;
+  freenect_get_mks_accel(freenect_get_tilt_state(device_), &felt_m_s2.x(), &felt_m_s2.y(),
+                         &felt_m_s2.z());
+  if (felt_m_s2.isZero()) return std::nullopt;
+  return dataset::camera_from_kinect_accelerometer() * felt_m_s2;
+}
+
 Result<std::optional<frame::RgbdFrame>> Kinect::next(std::chrono::milliseconds patience) {
   const auto deadline = Clock::now() + patience;
   for (;;) {
-    if (auto frame = pairing_.take()) return frame;
+    if (auto frame = pairing_.take()) {
+      frame->acceleration_m_s2 = felt_m_s2();
+      return frame;
+    }
     const auto left =
         std::chrono::duration_cast<std::chrono::microseconds>(deadline - Clock::now());
     if (left.count() <= 0) return std::optional<frame::RgbdFrame>();

@@ -1,7 +1,7 @@
 // The Kinect v1 (Xbox 360 and "for Windows") through libfreenect: 640x480 at 30 Hz, depth in
-// millimetres, registered to the colour camera. Where the library does not register depth
-// (fakenect, which plays dumps of a Kinect), depth is in the view of the depth camera, with
-// Camera::color.
+// millimetres, registered to the colour camera, and what its accelerometer feels. Where the library
+// does not register depth (fakenect, which plays dumps of a Kinect), depth is in the view of the
+// depth camera, with Camera::color.
 #pragma once
 
 #include <memory>

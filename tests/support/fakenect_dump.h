@@ -39,6 +39,14 @@ class FakenectDump {
                static_cast<std::streamsize>(color.pixels.size() * sizeof(Rgb8)));
   }
 
+  // As the sensor gives it: x left, y up, z forward, 819 per g. The file is libfreenect's
+  // freenect_raw_tilt_state, with the state of the motor behind.
+  void add_acceleration(double time_s, const Eigen::Matrix<std::int16_t, 3, 1>& felt) {
+    std::ofstream file = open('a', time_s, "dump", "");
+    const std::int16_t counts[6] = {felt.x(), felt.y(), felt.z(), 0, 0, 0};
+    file.write(reinterpret_cast<const char*>(counts), sizeof counts);
+  }
+
  private:
   std::ofstream open(char type, double time_s, const char* extension, const char* header) {
     const auto ticks = static_cast<std::uint32_t>(4'290'000'000 + std::llround(time_s * 60e6));

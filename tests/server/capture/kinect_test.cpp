@@ -10,6 +10,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "core/dataset/accelerometer.h"
 #include "core/dataset/recording.h"
 #include "core/source/open_sequence.h"
 #include "server/capture/camera_kinds.h"
@@ -49,6 +50,11 @@ std::vector<frame::RgbdFrame> write_dump(const std::string& folder,
       depth = static_cast<std::uint16_t>(std::lround(depth_mm));
     }
     frame.timestamp_s = i / kRate_hz;
+    if (frame.acceleration_m_s2) {
+      const Eigen::Vector3d counts = dataset::camera_from_kinect_accelerometer().transpose() *
+                                     *frame.acceleration_m_s2 / 9.80665 * 819;
+      dump.add_acceleration(frame.timestamp_s, counts.array().round().cast<std::int16_t>());
+    }
     dump.add_depth(frame.timestamp_s, frame.depth);
     if (i != without_color) dump.add_color(frame.timestamp_s + 0.005, frame.color);
     frames.push_back(std::move(frame));
@@ -100,7 +106,8 @@ double mean_difference(const ColorImage& a, const ColorImage& b) {
 TEST(Kinect, GivesWhatWasDumpedPairedByTimeAndInOrder) {
   if (!can_play()) GTEST_SKIP() << kCannotPlay;
   const test::TemporaryFolder folder;
-  const auto room = *source::open_sequence("synthetic:frames=10,width=640,height=480");
+  const auto room =
+      *source::open_sequence("synthetic:frames=10,width=640,height=480+accelerometer=noise_m_s2=1");
   constexpr int kWithoutColor = 6;
   const std::vector<frame::RgbdFrame> dumped =
       write_dump(folder / "dump", *room, 10, kWithoutColor);
@@ -124,6 +131,9 @@ TEST(Kinect, GivesWhatWasDumpedPairedByTimeAndInOrder) {
     expect_same_depth(frame->depth, expected.depth);
     EXPECT_LT(mean_difference(frame->color, expected.color), 3)
         << "frame " << i << ": it is a JPEG now, but that image";
+    ASSERT_TRUE(frame->acceleration_m_s2.has_value());
+    EXPECT_LT((*frame->acceleration_m_s2 - *expected.acceleration_m_s2).norm(), 0.011)
+        << "half a count of each axis";
   }
 }
 
