@@ -154,8 +154,17 @@ export type ScanEvent =
       readonly loops: number; // closed so far
       readonly paused: boolean; // no frames are to be expected at the moment
       readonly canPause: boolean; // a camera is connected that can be asked to pause
+      readonly up: MeasuredUp | null; // by the camera's accelerometer, if it has one
     }
   | { readonly kind: 'serverError'; readonly code: string; readonly message: string };
+
+export type Direction = readonly [number, number, number];
+
+// In the world of the scan, with the standard deviation of its angle.
+export interface MeasuredUp {
+  readonly inWorld: Direction;
+  readonly sigma_rad: number;
+}
 
 export type ToWorker =
   | {

@@ -206,6 +206,7 @@ describe('decode', () => {
       keyframes: 20n,
       loops: 4n,
       canPause: true,
+      up: { inWorld: { x: 1, y: 0, z: 0 }, sigmaRad: 0.02 },
     };
     expect(decode(serverBytes({ case: 'scanState', value }))).toEqual({
       kind: 'scanState',
@@ -218,6 +219,7 @@ describe('decode', () => {
       loops: 4,
       paused: false,
       canPause: true,
+      up: { inWorld: [1, 0, 0], sigma_rad: 0.02 },
     });
   });
 

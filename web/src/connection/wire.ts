@@ -14,6 +14,7 @@ import {
   type Rigid3,
   type ServerMessage,
   type TrajectoryPart,
+  type UpDirection,
 } from '../gen/scan_pb';
 import type {
   CameraIntrinsics,
@@ -21,6 +22,7 @@ import type {
   FrameEvent,
   MeshCube,
   MapEventName,
+  MeasuredUp,
   PastPositions,
   Pose,
   ScanEvent,
@@ -31,7 +33,7 @@ import type {
 
 export class WireError extends Error {}
 
-export const protocolMinor = 7;
+export const protocolMinor = 8;
 export const maxPointsPerChunk = 262144;
 export const maxTrianglesPerChunk = 262144;
 
@@ -132,6 +134,7 @@ export function decode(bytes: Uint8Array): Incoming {
         loops: Number(body.value.loops),
         paused: body.value.paused,
         canPause: body.value.canPause,
+        up: measuredUp(body.value.up),
       };
     case 'error':
       return { kind: 'serverError', code: body.value.code, message: body.value.message };
@@ -260,6 +263,12 @@ function positionsOf(positions: readonly number[]): Float32Array {
   if (!positions.every(Number.isFinite))
     throw new WireError('a trajectory part has a position that is not finite');
   return Float32Array.from(positions);
+}
+
+function measuredUp(up: UpDirection | undefined): MeasuredUp | null {
+  if (!up?.inWorld) return null;
+  const { x, y, z } = up.inWorld;
+  return { inWorld: [x, y, z], sigma_rad: up.sigmaRad };
 }
 
 function phaseOf(phase: ScanPhase): ScanPhaseName {

@@ -1,6 +1,6 @@
 import { Quaternion, Vector3 } from 'three';
 import { expect, test } from 'vitest';
-import { floorHeight_m, upOf, type SurfaceSamples } from './gravity';
+import { bestUp, floorHeight_m, upOf, upRange, type SurfaceSamples } from './gravity';
 
 interface Patch {
   readonly normal: readonly [number, number, number]; // where up is -y
@@ -51,6 +51,9 @@ const walls: readonly Patch[] = [
 const off_deg = (up: readonly [number, number, number] | null, tilt: Quaternion): number =>
   (new Vector3(...up!).angleTo(new Vector3(0, -1, 0).applyQuaternion(tilt)) * 180) / Math.PI;
 
+const direction = (tilt: Quaternion): [number, number, number] =>
+  new Vector3(0, -1, 0).applyQuaternion(tilt).toArray();
+
 test.each([
   [0, 0],
   [33, 0],
@@ -65,6 +68,23 @@ test('a floor alone says it, and so do walls with a little of a floor', () => {
   const tilt = tilted(30, 5);
   expect(off_deg(upOf(room([{ ...floor, count: 3000 }], tilt)), tilt)).toBeLessThan(0.7);
   expect(off_deg(upOf(room([{ ...floor, count: 150 }, ...walls], tilt)), tilt)).toBeLessThan(1);
+});
+
+test('a camera on its side finds up by what its accelerometer measured', () => {
+  const tilt = tilted(10, 90);
+  const samples = room([floor, table, ...walls], tilt);
+  const measured = { inWorld: direction(tilted(13, 90)), sigma_rad: 0.03 };
+  expect(upOf(samples) === null || off_deg(upOf(samples), tilt) > 60).toBe(true);
+  expect(off_deg(upOf(samples, upRange(measured)), tilt)).toBeLessThan(0.7);
+  expect(off_deg(bestUp(samples, measured), tilt)).toBeLessThan(0.7);
+});
+
+test('what was measured holds where the surface says nothing, or something else', () => {
+  const tilt = tilted(0, 0);
+  const measured = { inWorld: direction(tilted(20, 0)), sigma_rad: 0.02 };
+  expect(bestUp(room([{ ...floor, count: 100 }], tilt), measured)).toEqual(measured.inWorld);
+  expect(bestUp(room([{ ...floor, count: 3000 }], tilt), measured)).toEqual(measured.inWorld);
+  expect(bestUp(room([{ ...floor, count: 100 }], tilt), null)).toBeNull();
 });
 
 test('a sphere has no up, and nor have a few points', () => {

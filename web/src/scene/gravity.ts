@@ -1,8 +1,10 @@
 // Which way is up, and where the floor is, from the normals of a surface: rooms have floors, tables
 // and ceilings across gravity and walls along it. World: x right, y down, z forward of the first
-// camera, which is held more or less upright. Pure functions.
+// camera. Pure functions.
 
-export type Direction = readonly [number, number, number];
+import type { Direction, MeasuredUp } from '../connection/events';
+
+export type { Direction } from '../connection/events';
 
 // Some points of the surface in the world, with unit normals that look at whoever saw them.
 export interface SurfaceSamples {
@@ -15,7 +17,15 @@ export interface SurfaceSamples {
 export const firstCamerasUp: Direction = [0, -1, 0];
 
 const binsPerEdge = 16; // of a face of the cube around all directions: about 5 degrees each
-const leastCosine = 0.5; // nobody holds a camera further than 60 degrees from upright
+// Where up is looked for.
+export interface UpRange {
+  readonly middle: Direction;
+  readonly mostOff_rad: number;
+}
+// Nobody holds a camera further from upright.
+const unmeasured: UpRange = { middle: firstCamerasUp, mostOff_rad: Math.PI / 3 };
+const leastRange_rad = 0.05; // 3 degrees, which floors may slope
+const rangeDeviations = 3;
 const coarse_rad = 0.17; // wider than a bin
 const fine_rad = [0.14, 0.09, 0.06] as const; // then the plane itself, noise included
 const ceilingWorth = 0.5; // a lamp or a ceiling says less than a floor
@@ -24,14 +34,26 @@ const enough = 0.3; // of the surface lies across or along it, else it is no roo
 const enoughAcross = 0.03;
 const enoughSamples = 300;
 
+export function upRange(measured: MeasuredUp | null): UpRange {
+  if (!measured) return unmeasured;
+  const off_rad = Math.max(leastRange_rad, rangeDeviations * measured.sigma_rad);
+  return { middle: measured.inWorld, mostOff_rad: Math.min(unmeasured.mostOff_rad, off_rad) };
+}
+
+// What the surface says, or else what was measured; null: nothing is sure enough.
+export function bestUp(samples: SurfaceSamples, measured: MeasuredUp | null): Direction | null {
+  return upOf(samples, upRange(measured)) ?? measured?.inWorld ?? null;
+}
+
 // Null: nothing is sure enough.
-export function upOf(samples: SurfaceSamples): Direction | null {
+export function upOf(samples: SurfaceSamples, range: UpRange = unmeasured): Direction | null {
   if (samples.count < enoughSamples) return null;
+  const leastCosine = Math.cos(range.mostOff_rad);
   const bins = binned(samples);
   let best: Direction | null = null;
   let bestScore = 0;
-  for (const candidate of candidates()) {
-    const cosine = dot(candidate, firstCamerasUp);
+  for (const candidate of candidates(range.middle)) {
+    const cosine = dot(candidate, range.middle);
     if (cosine < leastCosine) continue;
     const { floor, ceiling, walls } = support(bins, candidate, coarse_rad);
     const score = (floor + ceilingWorth * ceiling + wallWorth * walls) * cosine * cosine;
@@ -43,7 +65,7 @@ export function upOf(samples: SurfaceSamples): Direction | null {
   for (const within_rad of fine_rad) best = refined(samples, best, within_rad);
   const { floor, ceiling, walls } = support(bins, best, coarse_rad);
   const across = floor + ceiling;
-  if (dot(best, firstCamerasUp) < leastCosine || across + walls < enough || across < enoughAcross)
+  if (dot(best, range.middle) < leastCosine || across + walls < enough || across < enoughAcross)
     return null;
   return best;
 }
@@ -138,16 +160,16 @@ function binOf(x: number, y: number, z: number): number {
   return (face * binsPerEdge + cell(u)) * binsPerEdge + cell(v);
 }
 
-// The middles of the bins around the first camera's up: also what nothing faces, since
-// walls alone say it, too.
-function candidates(): Direction[] {
-  const all: Direction[] = [firstCamerasUp];
+// `first` and the middles of all bins: also what nothing faces, since walls alone say it, too.
+function candidates(first: Direction): Direction[] {
+  const all: Direction[] = [first];
   const middle = (cell: number): number => ((cell + 0.5) / binsPerEdge) * 2 - 1;
   for (let i = 0; i < binsPerEdge; ++i)
     for (let j = 0; j < binsPerEdge; ++j) {
       const [u, v] = [middle(i), middle(j)];
       for (const direction of [
         [u, -1, v],
+        [u, 1, v],
         [1, u, v],
         [-1, u, v],
         [u, v, 1],

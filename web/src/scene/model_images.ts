@@ -10,7 +10,7 @@ import {
   WebGLRenderer,
   type Object3D,
 } from 'three';
-import type { ScanEvent } from '../connection/events';
+import type { MeasuredUp, ScanEvent } from '../connection/events';
 import { threeOf, type Axes, type Triple } from '../state/axes';
 import {
   extentOf,
@@ -21,7 +21,7 @@ import {
 } from '../state/model_figures';
 import type { Surface } from '../state/section';
 import { initialViewOptions, type ViewOptions } from '../state/view_options';
-import { floorHeight_m, firstCamerasUp, upOf, type Direction } from './gravity';
+import { bestUp, floorHeight_m, firstCamerasUp, type Direction } from './gravity';
 import { hasWalls, wallAxes } from './heading';
 import { MeshLayer } from './mesh_layer';
 import { boundsAlong } from './model_bounds';
@@ -78,6 +78,7 @@ export class ModelImages {
   private readonly mesh = new MeshLayer();
   private path_m = new Float32Array(); // of the camera, in the world
   private chosenUp: Direction | null;
+  private measuredUp: MeasuredUp | null = null;
   private imported = false;
 
   // `up`: as somebody has said, null: it is found.
@@ -88,8 +89,10 @@ export class ModelImages {
   onEvent(event: ScanEvent): void {
     this.submaps.onEvent(event);
     this.points.onEvent(event);
-    if (event.kind === 'scanState')
+    if (event.kind === 'scanState') {
+      this.measuredUp = event.up;
       this.imported = event.phase === 'finished' && event.received === 0;
+    }
     if (event.kind === 'trajectory' && !event.submaps)
       this.path_m = Float32Array.from(event.positions_m);
   }
@@ -105,7 +108,8 @@ export class ModelImages {
     this.submaps.tick(Infinity);
     const surfaces = this.mesh.surfaces();
     const samples = this.samples();
-    const up = this.chosenUp ?? (this.imported ? null : upOf(samples)) ?? firstCamerasUp;
+    const up =
+      this.chosenUp ?? (this.imported ? null : bestUp(samples, this.measuredUp)) ?? firstCamerasUp;
     const axes = wallAxes(samples, up);
     const all = boundsAlong(axes, this.points.boxes(), surfaces);
     if (!all) return null;

@@ -17,6 +17,7 @@ const noneYet = {
   loops: 0,
   paused: false,
   canPause: false,
+  up: null,
 };
 export const running: ScanEvent = { kind: 'scanState', phase: 'running', words: '', ...noneYet };
 

@@ -125,6 +125,7 @@ export class ScanScene {
     if (event.kind === 'scanState') {
       this.running = event.phase === 'running';
       this.imported = event.phase === 'finished' && event.received === 0;
+      this.upright.measure(event.up);
       if (this.imported) this.upright.forget();
     }
     if (event.kind === 'closed') {

@@ -57,6 +57,18 @@ describe('Upright', () => {
     expect(shown(upright, 0.6).y).toBeCloseTo(-1, 5);
   });
 
+  it('is where the accelerometer says it, however the camera was held', () => {
+    const upright = new Upright(() => {});
+    upright.measure({ inWorld: [0, Math.cos(0.3), Math.sin(0.3)], sigma_rad: 0.02 });
+    expect(upright.estimate(floor(0.6), 0, false)).toBe(true);
+    turn(upright);
+    expect(shown(upright, 0.3).y).toBeCloseTo(1, 5);
+    upright.forget(); // another model
+    upright.estimate(floor(0.6), 1, true);
+    turn(upright);
+    expect(shown(upright, 0.6).y).toBeCloseTo(-1, 5);
+  });
+
   it('leaves what nobody has scanned as it is', () => {
     const upright = new Upright(() => {});
     upright.estimate(floor(0.6), 0, true);

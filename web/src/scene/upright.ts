@@ -2,7 +2,8 @@
 // of the world hangs below `object`; outside of it y points down along gravity.
 import { Group, Quaternion, Vector3 } from 'three';
 import type { Box } from './framing';
-import { firstCamerasUp, upOf, type Direction, type SurfaceSamples } from './gravity';
+import type { MeasuredUp } from '../connection/events';
+import { bestUp, firstCamerasUp, type Direction, type SurfaceSamples } from './gravity';
 
 const settle_ms = 300; // time constant of the turn
 const estimateEvery_ms = 2_500; // while the scan grows
@@ -14,6 +15,7 @@ export class Upright {
   private readonly target = new Quaternion();
   private chosen: Direction | null = null;
   private found: Direction = firstCamerasUp;
+  private measured: MeasuredUp | null = null;
   private estimated_ms = -Infinity;
   private still = true;
 
@@ -35,7 +37,13 @@ export class Upright {
   // Another model of which nothing is known: the first camera's up, as what is imported has it.
   forget(): void {
     this.found = firstCamerasUp;
+    this.measured = null;
     this.aim();
+  }
+
+  // What the camera's accelerometer says, for the estimates from now on.
+  measure(measured: MeasuredUp | null): void {
+    this.measured = measured;
   }
 
   isDue(now_ms: number): boolean {
@@ -46,7 +54,7 @@ export class Upright {
   // small changes count, too.
   estimate(samples: SurfaceSamples, now_ms: number, final: boolean): boolean {
     this.estimated_ms = now_ms;
-    const up = upOf(samples);
+    const up = bestUp(samples, this.measured);
     if (!up) return false;
     const off_rad = new Vector3(...up).angleTo(new Vector3(...this.found));
     if (off_rad < (final ? 1e-3 : worthATurn_rad)) return false;

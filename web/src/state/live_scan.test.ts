@@ -56,6 +56,7 @@ const running = {
   loops: 0,
   paused: false,
   canPause: true,
+  up: null,
 } as const satisfies LiveScanEvent;
 
 describe('reduceLiveScan', () => {

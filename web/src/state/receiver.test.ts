@@ -22,6 +22,7 @@ const state = (phase: ScanPhaseName): ScanEvent => ({
   loops: 0,
   paused: false,
   canPause: false,
+  up: null,
 });
 
 // Names of the chunks that the scene has.
