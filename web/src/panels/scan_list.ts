@@ -2,6 +2,7 @@
 // whoever looks may do with it.
 import { errorText, type ScanSummary } from '../connection/api';
 import { noAccess, stopScan, type Access } from '../connection/scans';
+import { serverClock } from '../connection/server_clock';
 import { thumbnails } from '../connection/thumbnails';
 import { hashOf } from '../state/route';
 import { ago, framesText, phaseText } from '../state/text';
@@ -55,7 +56,7 @@ export function scanList(world: ScanListWorld): ScanList {
   const refresh = (): void => {
     if ([...menus.values()].some((one) => one.isOpen())) return;
     const there = scans.filter((scan) => !trash.has(scan.id));
-    const now = new Date();
+    const now = serverClock.now(Date.now());
     const chosen = finder.find(there);
     const key = JSON.stringify([
       more,
