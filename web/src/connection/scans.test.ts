@@ -65,6 +65,26 @@ test('what a report says is read, and an older one or an import says nothing', (
     expect(parseReport(odd)).toEqual(nothing);
 });
 
+test('which way is up is read from a report, or nothing', () => {
+  const up = (value: unknown) => parseReport({ up: value }).up;
+  expect(up({ in_world: [0, -0.8, -0.6], sigma_deg: 180 })).toEqual({
+    inWorld: [0, -0.8, -0.6],
+    sigma_rad: Math.PI,
+  });
+  for (const odd of [
+    undefined,
+    null,
+    3,
+    [],
+    { in_world: [0, -1, 0] },
+    { in_world: [0, -1], sigma_deg: 1 },
+    { in_world: [0, -1, '0'], sigma_deg: 1 },
+    { in_world: [0, -2, 0], sigma_deg: 1 },
+    { in_world: [0, 0, -1, 0], sigma_deg: 1 },
+  ])
+    expect(up(odd)).toBeNull();
+});
+
 test('tags are sent alone, and those that the server has kept come back', async () => {
   const fetch = vi.fn((_path: string, _asked: RequestInit) =>
     Promise.resolve(new Response(JSON.stringify({ id: 'a/b', tags: ['attic', 'house 9'] }))),

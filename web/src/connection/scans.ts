@@ -11,6 +11,7 @@ import {
   textOf,
   type ScanSummary,
 } from './api';
+import type { MeasuredUp } from './events';
 
 const limit_ms = 10_000;
 
@@ -117,6 +118,7 @@ export interface Report {
   readonly calibrationDoubt: string; // empty when the camera fits its images
   readonly cameraCorrection: string; // empty when the calibration is used as it was given
   readonly mapping: Readonly<Record<string, number>>; // counts of the map, by the server's names
+  readonly up: MeasuredUp | null; // by the camera's accelerometer, if it has one
   readonly meanFrame_ms: number | null;
   readonly device: string;
 }
@@ -124,6 +126,16 @@ export interface Report {
 export async function fetchReport(scanId: string, token: string): Promise<Report> {
   const response = await request(`${scanPath(scanId)}/report.json`, token, { limit_ms });
   return parseReport(await response.json());
+}
+
+function measuredUpOf(json: unknown): MeasuredUp | null {
+  const up = isRecord(json) ? json : {};
+  const axes = Array.isArray(up['in_world']) ? up['in_world'].map(numberOf) : [];
+  const [x, y, z] = axes;
+  const sigma_deg = numberOf(up['sigma_deg']);
+  const areNumbers = axes.length === 3 && x != null && y != null && z != null;
+  if (!areNumbers || sigma_deg === null || Math.abs(Math.hypot(x, y, z) - 1) > 1e-3) return null;
+  return { inWorld: [x, y, z], sigma_rad: (sigma_deg * Math.PI) / 180 };
 }
 
 export function parseReport(json: unknown): Report {
@@ -145,6 +157,7 @@ export function parseReport(json: unknown): Report {
     mapping: Object.fromEntries(
       mapping.filter((entry): entry is [string, number] => numberOf(entry[1]) !== null),
     ),
+    up: measuredUpOf(report['up']),
     meanFrame_ms: numberOf(report['mean_frame_ms']),
     device: textOf(report['device']),
   };

@@ -1,7 +1,6 @@
 // The page of a comparison: asks the server for it, waits, and shows both scans with what
 // has changed between them.
 import { ApiError, errorText, fetchScan } from '../connection/api';
-import type { ComparedPoints } from '../connection/compared_points';
 import {
   fetchComparedPoints,
   fetchComparison,
@@ -10,10 +9,10 @@ import {
   type ComparisonState,
 } from '../connection/comparisons';
 import { patiently } from '../connection/patience';
-import { fetchAccess } from '../connection/scans';
+import { fetchAccess, fetchReport } from '../connection/scans';
 import { t } from '../texts/texts';
 import { compareParts, type CompareParts } from './compare_parts';
-import { CompareView } from './compare_view';
+import { CompareView, type ComparedModel } from './compare_view';
 import { showHelp } from './dialogs';
 import { setText, type Panel } from './dom';
 
@@ -29,17 +28,21 @@ export function comparePage(first: string, second: string, token: string): Compa
   const ended = new AbortController();
   const parts = compareParts(first);
   const shown = new CompareView(parts);
-  const fetchPoints = async (): Promise<ComparedPoints | null> => {
-    const points = await patiently(
-      () => fetchComparedPoints(first, second, token, ended.signal),
-      ended.signal,
-    );
-    return ended.signal.aborted ? null : points;
+  const fetchModel = async (): Promise<ComparedModel | null> => {
+    const [points, measuredUp] = await Promise.all([
+      patiently(() => fetchComparedPoints(first, second, token, ended.signal), ended.signal),
+      // A model that was made elsewhere has no report.
+      fetchReport(first, token).then(
+        ({ up }) => up,
+        () => null,
+      ),
+    ]);
+    return ended.signal.aborted ? null : { points, measuredUp };
   };
   const run = (again: boolean): void => {
     parts.ready(false);
     untilReady({ first, second, token, signal: ended.signal, again, parts })
-      .then((state) => state && shown.show(state, fetchPoints))
+      .then((state) => state && shown.show(state, fetchModel))
       .catch(
         (error: unknown) =>
           !ended.signal.aborted && parts.fail(errorText(error, t.theComparisonCannotBeShown)),

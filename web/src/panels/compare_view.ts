@@ -2,6 +2,7 @@
 // list of what has changed.
 import type { ComparedPoints } from '../connection/compared_points';
 import type { ComparisonState } from '../connection/comparisons';
+import type { MeasuredUp } from '../connection/events';
 import { CompareScene } from '../scene/compare_scene';
 import { looks, type Look } from '../state/comparing';
 import { t } from '../texts/texts';
@@ -11,9 +12,15 @@ import { segments } from './segments';
 
 const lookLabels: Record<Look, string> = { overlay: t.oneOverTheOther, sides: t.sideBySide };
 
+// Both scans, in the first one's world.
+export interface ComparedModel {
+  readonly points: ComparedPoints;
+  readonly measuredUp: MeasuredUp | null; // of the first scan
+}
+
 export class CompareView {
   private report: ComparisonState['report'] = null;
-  private points: ComparedPoints | null = null;
+  private model: ComparedModel | null = null;
   private look: Look = 'overlay';
   private readonly panel = comparePanel((index) => this.flyTo(index));
   private readonly choice = segments(
@@ -34,21 +41,21 @@ export class CompareView {
 
   // All that is to be seen has come.
   get isComplete(): boolean {
-    return this.points !== null;
+    return this.model !== null;
   }
 
-  // `fetchPoints` gets the points of both; null: nobody wants them any more.
+  // `fetchModel`: null when nobody wants it any more.
   async show(
     { report }: ComparisonState,
-    fetchPoints: () => Promise<ComparedPoints | null>,
+    fetchModel: () => Promise<ComparedModel | null>,
   ): Promise<void> {
     if (!report) return;
     this.report = report;
     this.panel.show(report);
     if (report.verdict !== 'same_place') return this.parts.say(t.thereIsNoPictureOfBoth);
     this.parts.say(t.loadingTheComparison);
-    const points = await fetchPoints();
-    if (points) this.draw(points);
+    const model = await fetchModel();
+    if (model) this.draw(model);
   }
 
   swapLook(): void {
@@ -60,15 +67,15 @@ export class CompareView {
     this.scene?.frameAll();
   }
 
-  private draw(points: ComparedPoints): void {
-    this.points = points;
+  private draw(model: ComparedModel): void {
+    this.model = model;
     try {
       this.scene = new CompareScene(this.parts.canvas);
     } catch {
       this.parts.say(t.thisBrowserCannotShow3dPictures); // the list of changes is there
       return;
     }
-    this.scene.show(points.chunks, this.look);
+    this.scene.show(model.points.chunks, this.look, model.measuredUp);
     this.choice.element.hidden = this.parts.all.hidden = false;
     this.setLook(this.look);
     this.parts.say('');
@@ -86,6 +93,6 @@ export class CompareView {
     const region = this.report?.regions[index];
     if (!region || !this.scene) return;
     this.panel.choose(index);
-    this.scene.flyTo(region, this.points?.regions.get(index));
+    this.scene.flyTo(region, this.model?.points.regions.get(index));
   }
 }

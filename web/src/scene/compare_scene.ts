@@ -16,6 +16,7 @@ import {
 import type { ComparedChunk, RegionPlace } from '../connection/compared_points';
 import { pointStates } from '../connection/compared_points';
 import type { ChangedRegion } from '../connection/comparisons';
+import type { MeasuredUp } from '../connection/events';
 import { colorsOf, isShown, type Look } from '../state/comparing';
 import { initialViewOptions } from '../state/view_options';
 import { CameraRig } from './camera_rig';
@@ -100,8 +101,10 @@ export class CompareScene {
     this.resize();
   }
 
-  show(chunks: readonly ComparedChunk[], look: Look): void {
+  // `measuredUp`: of the first scan, whose world this is.
+  show(chunks: readonly ComparedChunk[], look: Look, measuredUp: MeasuredUp | null): void {
     this.chunks = chunks;
+    this.upright.measure(measuredUp);
     this.setLook(look);
     const samples = new SampleCollector(chunks.reduce((sum, { points }) => sum + points.count, 0));
     for (const layer of this.points) layer.sample(samples);
